@@ -53,7 +53,7 @@ std::optional<int> read(Request& request, int argc, char** argv) {
   add_value(line, "--warmup", request.warmup, Whole<long>{0, 1000000},
             "steps before these (default 2)");
   add_value(line, "--repetitions", request.repetitions, Whole<int>{1, 1000},
-            "in turns, each from the start (default 3)");
+            "interleaved, each from the start (default 3)");
   std::vector<std::string> threads;
   line.add_option("--threads", threads, "numbers of threads, as 1 2 4")->required();
   if (const auto code = read_arguments(line, argc, argv)) return code;

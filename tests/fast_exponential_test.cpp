@@ -207,7 +207,7 @@ TEST_P(EachFastLiePoisson, OneSweepAStepAndFewerProductsThanThePublishedForm) {
   EXPECT_LT(report.work.equivalent_products, 0.3 * plain.work.equivalent_products);
 }
 
-// ---- without an idea each
+// ---- without one part each
 
 // What a run takes without something, and how far it is from the published form.
 struct Ablated {
@@ -231,24 +231,24 @@ Ablated ablated(const std::string& name, const FastOptions& options, double h = 
   return {report.work, report.sweeps, (W - expected).norm() / expected.norm()};
 }
 
-struct Idea {
+struct Part {
   const char* name;
   void (*leave_out)(FastOptions& options);
 };
-const Idea explicit_start = {"explicit_start", [](FastOptions& o) { o.explicit_start = false; }};
-const Idea error_estimates = {"error_estimates", [](FastOptions& o) { o.error_estimates = false; }};
-const Idea graded_series = {"graded_series", [](FastOptions& o) { o.graded_series = false; }};
+const Part explicit_start = {"explicit_start", [](FastOptions& o) { o.explicit_start = false; }};
+const Part error_estimates = {"error_estimates", [](FastOptions& o) { o.error_estimates = false; }};
+const Part graded_series = {"graded_series", [](FastOptions& o) { o.graded_series = false; }};
 
-TEST(WithoutAnIdea, TheAnswerIsThePublishedOneToTheTolerance) {
+TEST(Ablation, TheAnswerIsThePublishedOneToTheTolerance) {
   FastOptions nothing = complete;
   nothing.newton = false;
   nothing.past_steps = 0;
-  for (const Idea& idea : {explicit_start, error_estimates, graded_series}) {
+  for (const Part& part : {explicit_start, error_estimates, graded_series}) {
     FastOptions options = complete;
-    idea.leave_out(options);
-    idea.leave_out(nothing);
+    part.leave_out(options);
+    part.leave_out(nothing);
     for (const char* name : {"elp2", "elp4", "elp6", "magnus5"}) {
-      EXPECT_LE(ablated(name, options).difference, 1e-6) << name << ' ' << idea.name;
+      EXPECT_LE(ablated(name, options).difference, 1e-6) << name << ' ' << part.name;
     }
   }
   for (const char* name : {"elp2", "elp4", "elp6", "magnus5"}) {
@@ -258,7 +258,7 @@ TEST(WithoutAnIdea, TheAnswerIsThePublishedOneToTheTolerance) {
 
 // The Munthe-Kaas form leaves out a part of the error of its steps, by the precision of terms where
 // its series go on to rounding.
-TEST(WithoutAnIdea, TheMuntheKaasFormIsAsNearToThePublishedOne) {
+TEST(Ablation, TheMuntheKaasFormIsAsNearToThePublishedOne) {
   const double difference = ablated("rkmk4", complete).difference;
   FastOptions options = complete;
   options.graded_series = false;
@@ -266,15 +266,15 @@ TEST(WithoutAnIdea, TheMuntheKaasFormIsAsNearToThePublishedOne) {
   EXPECT_GT(difference, 1e-12) << "the control";
 }
 
-TEST(WithoutAnIdea, ItTakesMoreWork) {
+TEST(Ablation, ItTakesMoreWork) {
   FastOptions cold = complete;
   cold.past_steps = 0;
   cold.explicit_start = false;
   for (const char* name : {"elp2", "elp4", "elp6"}) {
     const Ablated all = ablated(name, complete);
-    const auto without = [&](const Idea& idea) {
+    const auto without = [&](const Part& part) {
       FastOptions options = complete;
-      idea.leave_out(options);
+      part.leave_out(options);
       return ablated(name, options);
     };
     // A cold start leaves more to do, and an unused estimate one more sweep.
@@ -295,11 +295,11 @@ TEST(WithoutAnIdea, ItTakesMoreWork) {
   EXPECT_GT(of_magnus(0.99e-6), 1.3 * of_magnus(1e-6));
 }
 
-TEST(WithoutAnIdea, FormsThatDoNotUseItAreTheSameBitForBit) {
+TEST(Ablation, FormsThatDoNotUseItAreTheSameBitForBit) {
   const Scene scene = smooth_scene(17);
   FastOptions options;
-  for (const Idea& idea : {explicit_start, error_estimates, graded_series}) {
-    idea.leave_out(options);
+  for (const Part& part : {explicit_start, error_estimates, graded_series}) {
+    part.leave_out(options);
   }
   for (const char* name : {"group2", "algebra1", "rk4"}) {
     EXPECT_TRUE(integrated(*made(fast_entry(name, options), *scene.flow), scene.initial, 0.1, 5) ==

@@ -1,4 +1,4 @@
-% Runs cells of Table 1 in plain GNU Octave, in turns, and prints one JSON object with what each took.
+% Runs cells of Table 1 in plain GNU Octave, interleaved, and prints one JSON object with what each took.
 %
 %   octave-cli -qf benchmarks/octave/run_cells.m INITIAL.npy HBAR STEP STEPS REPETITIONS FOLDER CELL ...
 %

@@ -14,7 +14,7 @@ struct FastOptions {
   /// answer is bit for bit the same for every number.
   int threads = 1;
 
-  // Switches for ablation studies.  Forms that do not use an idea ignore its switch; none moves the
+  // Switches for ablation studies.  Forms that do not have a part ignore its switch; none moves the
   // answer by more than the tolerance.
   /// Past steps of the predictor, 0 to Predictor::most; with 0 every step starts cold, or
   /// from an explicit step.  By default Tuning::past_steps.

@@ -15,7 +15,7 @@ END = "// Written by scripts/update: end\n"
 def table(limits):
     """Returns the least h‖B‖₂ that survived, over scenes, of each form at each n, cut to two decimals, in C++."""
     rows = [f'    {{"{name}", Solver::{solver}, {n}, {int(value * 100) / 100:.2f}}},\n'
-            for (name, solver, n), value in limits.least_survived().items()]
+            for (name, solver, n), value in limits.min_survived().items()]
     return f"constexpr Limit limits[] = {{\n{''.join(rows)}}};\n"
 
 

@@ -39,7 +39,7 @@ SUMMARY = {PASSED: "No regression.", REGRESSION: "Regression.",
 FORMAT = "isosyrk check_regression 1"
 
 # Runs of a cell from states that differ from W₀ by rounding, where counts of two builds need not be equal. The ranges
-# of five draws each seldom part, and hardly ever by more than the wider of them.
+# of five samples each seldom part, and hardly ever by more than the wider of them.
 OTHER_ROUNDINGS = 4
 STEPS_AT_THE_EDGE = 2  # of a run, which no state near W₀ shows to end otherwise
 # Equivalent products are sums of 50 quotients below 100, each rounded; one multiplication more at n = 129 adds 1e-7.

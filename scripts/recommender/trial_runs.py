@@ -1,10 +1,10 @@
-"""Finds the cheapest method and step for a user's own scene by runs of that scene, called pilots, within a budget.
+"""Finds the cheapest method and step for a user's own scene by runs of that scene, called trials, within a budget.
 
-Pilots go over a part T/2^k of the time first, where the expensive methods drop out; then over the longest part that the
+Trials go over a part T/2^k of the time first, where the expensive methods drop out; then over the longest part that the
 budget allows, at best all of it. The reference solution of each part is the first of two integrators that are refined
 together until they agree; their distance is its uncertainty. Fast forms only, in the co-rotating frame where the list
-has it: that is exact and costs nothing. At last some steps of each offer that follows from a shorter pilot are timed
-from where the longest pilot ended: a step of another size takes another time. Needs NumPy and isosyrk.
+has it: that is exact and costs nothing. At last some steps of each offer that follows from a shorter trial are timed
+from where the longest trial ended: a step of another size takes another time. Needs NumPy and isosyrk.
 """
 
 import math
@@ -20,25 +20,25 @@ from lib.records.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.records.settings import TIGHT
 from lib.running import built
 from lib.running.trials import Setting
-from studies.accuracy.cheapest import MOST_OFFERED, Question, answer_data
+from studies.accuracy.cheapest import MAX_OFFERED, Question, answer_data
 from recommender.trial_planner import STOPPED, TOO_EXPENSIVE, Planner, invariants_lost
 
 REFERENCES = ("group6_frame", "group5_frame")
 MIDDLE_ORDER = 6  # methods of about this order win at the errors that are asked for most
 
-LOOKS = 100  # at the energy and the cost of a pilot of many steps
+LOOKS = 100  # at the energy and the cost of a trial of many steps
 FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
 # Of the budget, kept for timing steps of the offers; the steps and the CPU seconds that are timed of one at least. As
 # many steps before them are not timed, for a predictor has no past steps yet. Costs change while a scene develops, so
 # more are timed where there is room: SHARE_TIMED of what is left, as the clock of the budget goes on while others run.
-RESERVE, LEAST_STEPS, LEAST_SECONDS, SHARE_TIMED = 0.1, 10, 0.02, 0.25
+RESERVE, MIN_STEPS, MIN_SECONDS, SHARE_TIMED = 0.1, 10, 0.02, 0.25
 
 
 # ---- the user's scene
 
 WHOLE, REAL = whole_number(0, 10**9), number(-math.inf, math.inf)
 FIELDS = {"l": WHOLE, "m": WHOLE, "re": REAL, "im": REAL}  # of a mode, with their readers
-LEAST_ENERGY = 1e-200
+MIN_ENERGY = 1e-200
 AT_REST = 1e-12  # ‖B(W)‖₂ over the largest entry of W: rounding of a state that does not move
 
 
@@ -78,7 +78,7 @@ def scene_of(options):
         scene = isosyrk.scene(n=options.n, hbar=options.hbar, **data)
         if not scene.generator_norms()[0] > AT_REST * abs(scene.initial).max():
             raise UnusableFile("is at rest, as any method keeps it")
-        if not LEAST_ENERGY < scene.energy(scene.initial) < 1 / LEAST_ENERGY:
+        if not MIN_ENERGY < scene.energy(scene.initial) < 1 / MIN_ENERGY:
             raise UnusableFile("its energy is too small or too large to be compared with; scale it")
     except (UnusableFile, ValueError, TypeError) as problem:
         name = "--state" if options.modes is None else "--modes"
@@ -86,7 +86,7 @@ def scene_of(options):
     return scene
 
 
-# ---- pilots
+# ---- trials
 
 
 def seconds_left():
@@ -103,7 +103,7 @@ def candidates_for(structure):
 
 
 class Search(Planner):
-    """Runs the pilots of one scene as they are planned, and times steps of the offers.
+    """Runs the trials of one scene as they are planned, and times steps of the offers.
 
     At the end of the budget, any method may throw TimeoutError.
     """
@@ -124,42 +124,42 @@ class Search(Planner):
         return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST,
                                   tolerance=tolerance or self.tolerance_of(integrator))
 
-    def run(self, integrator, steps, most_seconds=math.inf):
-        """Returns the pilot of an even number of steps over the part, and its states at half time and at the end.
+    def run(self, integrator, steps, max_seconds=math.inf):
+        """Returns the trial of an even number of steps over the part, and its states at half time and at the end.
 
-        The pilot has an error if there is a reference. There are no states if it did not come to a usable end.
+        The trial has an error if there is a reference. There are no states if it did not come to a usable end.
         """
-        pilot = self.outcome(integrator, self.time, steps, None, 0.0, STOPPED)
-        self.pilots.append(pilot)
+        trial = self.outcome(integrator, self.time, steps, None, 0.0, STOPPED)
+        self.trials.append(trial)
         states = []
 
         def look(step, W, report):
             if step in (steps // 2, steps):
                 states.append(W.copy())
-            return report.seconds > most_seconds
+            return report.seconds > max_seconds
 
         every = next(each for each in range(max(1, steps // LOOKS), 0, -1) if steps // 2 % each == 0)
-        W, report, status, _, energy_error = self.setting.run(self.method(integrator), pilot.step, steps, every, look)
-        pilot.seconds = report.seconds
+        W, report, status, _, energy_error = self.setting.run(self.method(integrator), trial.step, steps, every, look)
+        trial.seconds = report.seconds
         if status != CONVERGED or report.steps < steps:
-            pilot.status = STOPPED if status == CONVERGED else status
-            return pilot, ()
+            trial.status = STOPPED if status == CONVERGED else status
+            return trial, ()
         errors = {name: error / self.size for name, error in self.setting.errors(W).items()}
         errors["energy_error"] = energy_error
-        pilot.kept = max(energy_error, errors["spectrum_error"]) if integrator.isospectral else None
+        trial.kept = max(energy_error, errors["spectrum_error"]) if integrator.isospectral else None
         if invariants_lost(errors, integrator.isospectral):
-            pilot.status = UNSTABLE
-            return pilot, ()
-        pilot.status = CONVERGED
+            trial.status = UNSTABLE
+            return trial, ()
+        trial.status = CONVERGED
         if self.time > self.end[0]:
             self.end = self.time, W
         if not self.trajectory:
-            pilot.error = pilot.kept
+            trial.error = trial.kept
         elif self.reference and self.reference.time == self.time:
             at_half, error = map(isosyrk.relative_error, states, self.exact)
-            pilot.error = error + self.uncertainty
-            pilot.growth = math.log2(error / at_half) if error > 0 < at_half else None
-        return pilot, states
+            trial.error = error + self.uncertainty
+            trial.growth = math.log2(error / at_half) if error > 0 < at_half else None
+        return trial, states
 
     def refer(self, error):
         """Makes the reference solution of the part; if two do not agree, no trajectory is judged any more.
@@ -177,41 +177,41 @@ class Search(Planner):
                 break
         self.exact = states[0]
 
-    def search(self, integrator, error, most_seconds):
-        """Returns the pilot with the longest step that has an error over the part; None if none has."""
-        tries = self.tries(integrator, error, most_seconds)
+    def search(self, integrator, error, max_seconds):
+        """Returns the trial with the longest step that has an error over the part; None if none has."""
+        tries = self.tries(integrator, error, max_seconds)
         steps = next(tries)
         while True:
-            pilot, _ = self.run(integrator, steps, most_seconds)
+            trial, _ = self.run(integrator, steps, max_seconds)
             try:
-                steps = tries.send(pilot)
+                steps = tries.send(trial)
             except StopIteration as end:
                 return end.value
 
     def time_offers(self):
         """Times steps of each offer that is shown and was not run; one whose steps fail is offered no more as it is."""
-        while untimed := [each for each in self.ranking()[:MOST_OFFERED] if not self.is_timed(each)]:
+        while untimed := [each for each in self.ranking()[:MAX_OFFERED] if not self.is_timed(each)]:
             self.time_steps(untimed[0], seconds_left() / len(untimed))
 
     def time_steps(self, offer, seconds):
-        """Times steps of an offer from the end of the longest pilot on, in about so many seconds at most.
+        """Times steps of an offer from the end of the longest trial on, in about so many seconds at most.
 
-        A failure counts as a pilot.
+        A failure counts as a trial.
         """
         (begin, W), h, method = self.end, offer.step, self.method(offer.integrator)
         try:
-            (first,) = method.timed_run(W, h, LEAST_STEPS, repetitions=1, warmup=LEAST_STEPS)
-            pace = max(first / LEAST_STEPS, 1e-9)
+            (first,) = method.timed_run(W, h, MIN_STEPS, repetitions=1, warmup=MIN_STEPS)
+            pace = max(first / MIN_STEPS, 1e-9)
             room = min(seconds * SHARE_TIMED / pace, (offer.time - begin) / h)
-            steps = math.ceil(max(LEAST_STEPS, LEAST_SECONDS / pace, room))
-            (taken,) = method.timed_run(W, h, steps, repetitions=1, warmup=LEAST_STEPS)
+            steps = math.ceil(max(MIN_STEPS, MIN_SECONDS / pace, room))
+            (taken,) = method.timed_run(W, h, steps, repetitions=1, warmup=MIN_STEPS)
         except isosyrk.SolverError as problem:
-            self.pilots.append(self.outcome(offer.integrator, LEAST_STEPS * h, LEAST_STEPS, None, 0.0, problem.status))
+            self.trials.append(self.outcome(offer.integrator, MIN_STEPS * h, MIN_STEPS, None, 0.0, problem.status))
         else:
             self.paces[offer.integrator, offer.steps] = taken / steps
 
     def go_on(self):
-        """Makes pilots over longer and longer parts of the time, until it is whole or the next part takes too long."""
+        """Makes trials over longer and longer parts of the time, until it is whole or the next part takes too long."""
         integrators, spared = self.candidates, seconds_left() * (1 - FIRST_SHARE)
         while True:
             before = seconds_left()
@@ -223,7 +223,7 @@ class Search(Planner):
             self.lengthen(fits)
 
     def try_all(self, integrators, spared):
-        """Makes the pilots of integrators over the part; if one is good, none is begun in the last `spared` seconds."""
+        """Makes the trials of integrators over the part; if one is good, none is begun in the last `spared` seconds."""
         if self.trajectory:
             self.refer(self.proportional_error())
         cheapest = min((each.seconds for each in self.good.values() if each.time == self.time), default=math.inf)
@@ -274,4 +274,4 @@ def answer(options):
     if options.hbar == "standard":
         arguments += ["--hbar", options.hbar]
     return answer_data(search, " within the budget" if search.spent else "", arguments,
-                       {"measured": f"here, {len(search.pilots)} pilots"})
+                       {"measured": f"here, {len(search.trials)} trials"})

@@ -11,7 +11,7 @@ import os
 import programs  # noqa: F401 (finds the modules of scripts/lib)
 
 from lib.records import formats
-from studies.claims.schema import (HBARS, SCHEMA, THREAD_CODES, DrawCell, OctaveCell, OctavePair, OctaveProduct, Rate,
+from studies.claims.schema import (HBARS, SCHEMA, THREAD_CODES, SampleCell, OctaveCell, OctavePair, OctaveProduct, Rate,
                                    Settings, ThreadCell)
 from lib.records.formats import FORMULATIONS, SOLVERS
 from studies.claims.parallel_model import Rates, sweep_seconds
@@ -32,16 +32,16 @@ def tables(count=len(PROCESSES)):
     """Returns the tables, with times by so many processes."""
     octave = [OctaveCell(form, n, s, SWEEPS, PRODUCTS, 2e-14, processes(OCTAVE[form][s - 1], count))
               for n in (17, 33) for form in FORMULATIONS for s in (1, 2, 3)]
-    draws = [DrawCell(17, hbar, draw, solver, form, s,
+    samples = [SampleCell(17, hbar, sample, solver, form, s,
                       processes(0.5 if (form, hbar) == ("group", "standard") else 1.0, count))
-             for hbar in HBARS for draw in range(2) for solver in SOLVERS for form in FORMULATIONS for s in (1, 2, 3)]
+             for hbar in HBARS for sample in range(2) for solver in SOLVERS for form in FORMULATIONS for s in (1, 2, 3)]
     threads = [ThreadCell(65, 0.1, STEPS, form, s, code, p, 400, 2000.0,
                           processes(THREAD_OVERHEAD * (400 + STEPS) * sweep_seconds(form, s, RATES, p), count))
                for s in (2, 3) for code in THREAD_CODES for form in FORMULATIONS for p in (1, 2)]
     pairs = [OctavePair(n, s, row, other, 3e-14) for n in (17, 33) for s in (1, 2, 3)
              for row, other in itertools.combinations(FORMULATIONS, 2)]
     products = [OctaveProduct(n, processes(1e-4, count)) for n in (17, 33)]
-    return {"octave": octave, "octave_pairs": pairs, "octave_products": products, "draws": draws, "threads": threads,
+    return {"octave": octave, "octave_pairs": pairs, "octave_products": products, "samples": samples, "threads": threads,
             "rates": [Rate(65, processes(RATES.product, count), processes(RATES.single_pass, count))]}
 
 

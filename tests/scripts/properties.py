@@ -40,7 +40,7 @@ def holds_for(examples=60, **drawn):
     return decorated
 
 
-def times_of_rows(rows=2, least=1, most=14):
+def times_of_rows(rows=2, minimum=1, maximum=14):
     """Draws the times of some rows by process: lists of equal lengths, in the same order of processes.
 
     Each process has a pace of its own. Each row has a ratio to it, and its times spread about that.
@@ -50,7 +50,7 @@ def times_of_rows(rows=2, least=1, most=14):
         return [[pace * ratio * math.exp(spread * noise.uniform(-1, 1)) for pace in paces]
                 for ratio, spread in zip(ratios, spreads)]
 
-    return draw.builds(made, draw.integers(least, most), draw.tuples(*[NEAR_ONE] * rows),
+    return draw.builds(made, draw.integers(minimum, maximum), draw.tuples(*[NEAR_ONE] * rows),
                        draw.tuples(*[SPREADS] * rows), SEEDS.map(random.Random))
 
 

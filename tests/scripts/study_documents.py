@@ -13,7 +13,7 @@ import os
 import programs  # noqa: F401 (finds the modules of scripts/lib)
 
 from lib.records.settings import LOOSE, TIGHT, Problem, keeps
-from studies.accuracy.schema import BELOW, CUT, SCHEMA, Duel
+from studies.accuracy.schema import BELOW, CUT, SCHEMA, Comparison
 from studies.accuracy.lines import accuracy
 from lib.records.formats import FAST, PUBLISHED, STUDY_FORMAT, listed, study_of
 
@@ -24,18 +24,18 @@ PROBLEMS = {**dict.fromkeys(SMOOTH, 1e-14), ROUGH: 1e-12}  # with the uncertaint
 WITH_LOOSE = ("group2_frame", "elp4_frame")  # that run with a loose tolerance too
 SOONER = 0.5  # is the time at it, over that at the tight one
 SLOWER = 4  # a published form than the fast one
-PROCESSES = (0.98, 1.01, 1.0, 0.99, 1.02, 1.0)  # of a duel: the times of all rows over their usual ones
+PROCESSES = (0.98, 1.01, 1.0, 0.99, 1.02, 1.0)  # of a comparison: the times of all rows over their usual ones
 
 # name: C of the error, seconds a step
 INTEGRATORS = {"cotangent1": (1.0, 2e-3), "group1": (1.0, 1.5e-3), "group2": (0.1, 4e-3), "rkmk4": (1e-3, 1e-3),
                "rk4": (1e-2, 1e-4), "group2_frame": (1e-2, 4e-3), "elp4_frame": (1e-2, 2e-3)}
-# Who stands for a contender of a duel; the others have no row.
-CONTENDERS = {"explicit": ("rk4", FAST, TIGHT), "rkmk": ("rkmk4", FAST, TIGHT), "elp": ("elp4_frame", FAST, 1e-8),
+# Who stands for a candidate of a comparison; the others have no row.
+CANDIDATES = {"explicit": ("rk4", FAST, TIGHT), "rkmk": ("rkmk4", FAST, TIGHT), "elp": ("elp4_frame", FAST, 1e-8),
               "elp_matched": ("elp4_frame", FAST, 1e-6), "elp_bounded": ("elp4_frame", FAST, TIGHT),
               "gauss": ("group2_frame", FAST, TIGHT), "gauss_loose": ("group2_frame", FAST, 1e-7),
               "gauss_matched": ("group2_frame", FAST, 1e-6), "gauss_published": ("group2_frame", PUBLISHED, TIGHT),
               "named_published": ("group2", PUBLISHED, TIGHT)}
-DUELS = (1e-4, 1e-6)  # the errors of the duels, which are in the smooth scene only
+COMPARISONS = (1e-4, 1e-6)  # the errors of the comparisons, which are in the smooth scene only
 # The largest h‖B(W₀)‖₂ that works: group1 fails at 5 steps; rk4 at half its limit by linear theory, as ‖ad_B‖₂ = 2‖B‖₂.
 LIMITS = {**dict.fromkeys(INTEGRATORS, 100.0), "group1": 1.38, "rk4": 1.4142}
 
@@ -68,15 +68,15 @@ def run(problem, name, steps, solver=FAST, status="converged", tolerance=TIGHT):
     return result if status == "converged" else {**result, **dict.fromkeys(OF_GOOD_RUNS), "cpu_seconds": []}
 
 
-def duel_row(problem, wanted, contender):
-    """Returns the row of a contender, with the fewest steps that reach the error."""
-    name, solver, tolerance = CONTENDERS[contender]
+def comparison_row(problem, wanted, candidate):
+    """Returns the row of a candidate, with the fewest steps that reach the error."""
+    name, solver, tolerance = CANDIDATES[candidate]
     factor, _ = INTEGRATORS[name]
     steps = math.ceil(problem.time * (factor / wanted) ** (1 / listed(name).order))
     found = run(problem, name, steps, solver, tolerance=tolerance)
     seconds = found["cpu_seconds"][1]
-    return {**{field: found[field] for field in Duel._fields if field in found}, "wanted": wanted,
-            "contender": contender, "cpu_seconds": [seconds * share for share in PROCESSES]}
+    return {**{field: found[field] for field in Comparison._fields if field in found}, "wanted": wanted,
+            "candidate": candidate, "cpu_seconds": [seconds * share for share in PROCESSES]}
 
 
 def study_document():
@@ -98,8 +98,8 @@ def study_document():
         "tolerance_runs": [{**run(problem, name, 50, PUBLISHED), "tolerance": 10.0**-digits,
                             "solver_error": 10.0**-(digits + 1)}
                            for problem in SMOOTH for name in ("group1", "group2") for digits in range(4, 14)],
-        "duels": [duel_row(problem, wanted, contender) for problem in SMOOTH for wanted in DUELS
-                  for contender in CONTENDERS],
+        "comparisons": [comparison_row(problem, wanted, candidate) for problem in SMOOTH for wanted in COMPARISONS
+                  for candidate in CANDIDATES],
     }
 
 

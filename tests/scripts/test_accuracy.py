@@ -6,11 +6,11 @@ from programs import FolderTest
 from study_documents import SMOOTH, STEPS, accuracy_of, run_of, small_study, study_document
 
 from studies.accuracy.judge import figures, findings
-from studies.accuracy.schema import CONTENDERS as ALL_CONTENDERS
+from studies.accuracy.schema import CANDIDATES as ALL_CANDIDATES
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, TIGHT
 from studies.accuracy.schema import Form
 from studies.accuracy.report import accuracy_sections
-from studies.accuracy.candidates import CLASSES, all_forms, candidates
+from studies.accuracy.candidates import CLASSES, all_forms, members
 from lib.records.formats import listed
 from lib.pages.document import as_markdown
 
@@ -69,8 +69,8 @@ class Classes(unittest.TestCase):
               listed("elp4_frame")._replace(name="elp8_frame", family="of another kind"))
 
     def test_each_finds_its_methods_in_the_frame_from_order_four_on(self):
-        self.assertEqual(list(CLASSES), list(ALL_CONTENDERS))
-        found = {each: [method.name.removesuffix("_frame") for method in candidates(self.LISTED, each)]
+        self.assertEqual(list(CLASSES), list(ALL_CANDIDATES))
+        found = {each: [method.name.removesuffix("_frame") for method in members(self.LISTED, each)]
                  for each in CLASSES}
         exponential, gauss = dict.fromkeys(("elp", "elp_matched", "elp_bounded"), ["elp6"]), ["group2", "group4"]
         self.assertEqual(found, {
@@ -99,12 +99,12 @@ class Figures(unittest.TestCase):
                 "named_published_over_gauss_published.smooth_t5.n33.at_1e-6": 89 / 50,
                 "named_published_over_gauss_published.products.smooth_t5.n33.at_1e-6": 89 / 50,
                 "elp_over_explicit.slower": 4, "elp_over_explicit.faster": 0, "elp_over_explicit.undecided": 0,
-                "elp_over_explicit.duels": 4, "rows": 40, "rows.of_few_steps": 2,  # rkmk4 at 1e-4
-                "explicit_fastest.at_1e-6": 2, "explicit_fastest.at_1e-6.duels": 2,
+                "elp_over_explicit.comparisons": 4, "rows": 40, "rows.of_few_steps": 2,  # rkmk4 at 1e-4
+                "explicit_fastest.at_1e-6": 2, "explicit_fastest.at_1e-6.comparisons": 2,
                 "seconds.elp.smooth_t5.n17.at_1e-6": 0.05, "steps.elp.smooth_t5.n17.at_1e-6": 50,
                 "spectrum.gauss_loose.smooth_t5.n17.at_1e-6": 1e-7, "spectrum.elp.smooth_t5.n17.at_1e-6": 1e-15,
                 "frame_gain": 10**0.25, "frame_gain.comparisons": 8,  # group2 itself ends above 1e-8
-                "gauss_order.at_1e-2.least": 4, "gauss_order.at_1e-8.largest": 4,
+                "gauss_order.at_1e-2.min": 4, "gauss_order.at_1e-8.largest": 4,
                 "error.group2.n17": 1e-5, "error.group2_frame.n33": 1e-6,
                 # Errors 0.01 (s = 1) and 1e-5 (s = 2); a solver error is a tenth of the tolerance, 1e-4 at most.
                 "tolerance.group1.n17": 1e-4, "tolerance.group2.n33": 1e-5, "tolerance.time": 1,
@@ -117,7 +117,7 @@ class Figures(unittest.TestCase):
 class Report(unittest.TestCase):
     def test_a_study_of_one_problem_without_tolerances_makes_a_report(self):
         document = small_study()
-        document["tolerance_runs"] = document["duels"] = document["rates"] = []
+        document["tolerance_runs"] = document["comparisons"] = document["rates"] = []
         self.assertIn("Runs that failed", report(document))
         self.assertEqual(figures_of(document)["problems"], 1)
 

@@ -11,10 +11,10 @@ from properties import SEEDS, decades, holds_for, times_of_rows
 from study_documents import INTEGRATORS, accuracy_of, study_document
 
 from studies.accuracy import cheapest as recommendation
-from studies.accuracy.schema import ALONE, BELOW, CUT, FLOOR, Duel, Form, Line, Reference, Run, Settings
+from studies.accuracy.schema import ALONE, BELOW, CUT, FLOOR, Comparison, Form, Line, Reference, Run, Settings
 from studies.accuracy.lines import FLOOR_MARGIN, ORDER_POINTS, accuracy, compared, fitted_order
 from lib.records.settings import LOOSE, TIGHT, Problem, keeping_tolerance, keeps
-from studies.accuracy.candidates import CLASSES, LEAST_ORDER, candidates
+from studies.accuracy.candidates import CLASSES, MIN_ORDER, members
 from studies.accuracy.equal_error import AS_EXPLICIT, beaten_by, cheap_forms, ratio_in
 from lib.records.formats import CONVERGED, FAST, Study, listed, listed_integrators
 from lib.records.integrators import IMPLICIT_EXPONENTIAL, KEPT, MAGNUS
@@ -38,7 +38,7 @@ def study_of(lines, ends=(), uncertainty=1e-14):
     names, ends = dict.fromkeys(lines), dict(ends)
     return accuracy(Study({}, Settings(False), {
         "references": [Reference(*PROBLEM, uncertainty, ["group5", "rkmk4"], [200, 400])], "rates": [],
-        "integrators": list(map(listed, names)), "tolerance_runs": [], "duels": [],
+        "integrators": list(map(listed, names)), "tolerance_runs": [], "comparisons": [],
         "runs": [each for line in lines.values() for each in line],
         "lines": [Line(*PROBLEM, name, TIGHT, ends.get(name, BELOW)) for name in names]}))
 
@@ -128,29 +128,29 @@ class EqualError(unittest.TestCase):
         study = study_of(lines, zip(METHODS, ends))
         forms = [Form(name) for name in METHODS]
         costs = {form: cost.seconds for form in forms if (cost := study.cost(PROBLEM, form.integrator, error))}
-        least = min(costs.values(), default=math.inf)
+        minimum = min(costs.values(), default=math.inf)
         unknown = False
         for name, end in zip(METHODS, ends):
             usable = [each for each in lines[name] if each.usable]
-            unknown |= end == CUT and not [each for each in usable if each.error <= error or each.seconds >= least]
-        expected = [] if unknown else sorted((form for form in costs if costs[form] <= within * least), key=costs.get)
+            unknown |= end == CUT and not [each for each in usable if each.error <= error or each.seconds >= minimum]
+        expected = [] if unknown else sorted((form for form in costs if costs[form] <= within * minimum), key=costs.get)
         self.assertEqual([form for form, _ in cheap_forms(study, PROBLEM, error, forms, within)], expected)
 
-    @holds_for(times=times_of_rows(rows=2, least=6), more=draw.integers(0, 6))
+    @holds_for(times=times_of_rows(rows=2, minimum=6), more=draw.integers(0, 6))
     def test_a_comparison_is_by_the_first_processes_that_timed_both(self, times, more):
-        row, other = (Duel(*PROBLEM, 1e-6, "rk4", "rk4_frame", FAST, TIGHT, 9, 1e-7, 0.0, False, 1.0, tuple(each))
+        row, other = (Comparison(*PROBLEM, 1e-6, "rk4", "rk4_frame", FAST, TIGHT, 9, 1e-7, 0.0, False, 1.0, tuple(each))
                       for each in times)
         ratio, said = compared(row, other)
         self.assertEqual(said, compared_times(*times))
         longer = row._replace(cpu_seconds=(*row.cpu_seconds, *[77.0] * more))
         self.assertEqual((compared(longer, other), ratio.processes), ((ratio, said), len(times[0])))
-        duel = {"explicit": row, "elp": other}
-        self.assertEqual(ratio_in(duel, "explicit", "elp"), (ratio, said))
+        comparison = {"explicit": row, "elp": other}
+        self.assertEqual(ratio_in(comparison, "explicit", "elp"), (ratio, said))
         mirrored = {FASTER: SLOWER, SLOWER: FASTER, TIE: TIE, UNDECIDED: UNDECIDED}[said]
-        self.assertEqual(ratio_in(duel, "elp", "explicit")[1], mirrored)
-        self.assertEqual(beaten_by(duel), ["elp"] if mirrored == FASTER else [])
+        self.assertEqual(ratio_in(comparison, "elp", "explicit")[1], mirrored)
+        self.assertEqual(beaten_by(comparison), ["elp"] if mirrored == FASTER else [])
         self.assertEqual(beaten_by({"explicit": row, AS_EXPLICIT[1]: other}), [])
-        self.assertIsNone(ratio_in(duel, "elp", "gauss"))
+        self.assertIsNone(ratio_in(comparison, "elp", "gauss"))
 
 
 class Structure(unittest.TestCase):
@@ -184,11 +184,11 @@ class Structure(unittest.TestCase):
 
     def test_methods_of_a_class_are_in_the_frame_and_of_order_four_or_more(self):
         every = listed_integrators().values()
-        found = {name: candidates(every, name) for name in CLASSES}
+        found = {name: members(every, name) for name in CLASSES}
         for each in itertools.chain(*found.values()):
-            self.assertTrue(each.co_rotating and each.order >= LEAST_ORDER)
+            self.assertTrue(each.co_rotating and each.order >= MIN_ORDER)
         self.assertEqual([each.name for each in found["rk4"]], ["rk4_frame"])
-        self.assertIn(LEAST_ORDER, {each.order for each in found["gauss"]})
+        self.assertIn(MIN_ORDER, {each.order for each in found["gauss"]})
 
 
 class Interpolation(unittest.TestCase):
@@ -214,14 +214,14 @@ class Interpolation(unittest.TestCase):
             self.assertAlmostEqual(found, (time / known)**recommendation.POWER)
         elif time > known and integrator.lie_poisson and integrator.family not in IMPLICIT_EXPONENTIAL:
             # Bounded: it grows while the scene develops, and little after that.
-            self.assertLessEqual(found, recommendation.MOST_YOUNG * recommendation.MOST_OLD)
+            self.assertLessEqual(found, recommendation.MAX_YOUNG * recommendation.MAX_OLD)
         elif time > known >= recommendation.SETTLED and integrator.family in IMPLICIT_EXPONENTIAL:
             self.assertAlmostEqual(found, recommendation.EXPONENTIAL_OLD * (time / known)**recommendation.POWER)
 
 
 DOCUMENT = study_document()
 STUDY = accuracy_of(DOCUMENT)
-LEAST = 0.99  # the least of a run's repetitions over its usual time
+MINIMUM = 0.99  # the least of a run's repetitions over its usual time
 STRUCTURES = draw.sampled_from(tuple(KEPT))
 
 
@@ -258,7 +258,7 @@ class Recommended(unittest.TestCase):
             return
         self.assertEqual(offer.steps, math.ceil(5.0 / wanted * (1 - 1e-9)))
         self.assertAlmostEqual(offer.error / (factor * offer.step**order), 1, 6)
-        self.assertAlmostEqual(offer.seconds / (LEAST * seconds_a_step * offer.steps), 1, 6)
+        self.assertAlmostEqual(offer.seconds / (MINIMUM * seconds_a_step * offer.steps), 1, 6)
 
     @holds_for(n=draw.integers(18, 32), error=decades(-6.0, -3.0), time=draw.floats(0.5, 4.9))
     def test_margins_for_n_and_for_errors_add_up(self, n, error, time):
@@ -302,20 +302,20 @@ class Recommended(unittest.TestCase):
         found = Recorded(accuracy_of(document), Question("smooth", 24, 5.0, error, "poisson"))
         self.assertIn("not known whether cotangent1", " ".join(found.statements))
 
-    @holds_for(most=draw.floats(0.1, 3.0), n=draw.integers(17, 33), time=draw.sampled_from((5.0, 6.0)),
+    @holds_for(maximum=draw.floats(0.1, 3.0), n=draw.integers(17, 33), time=draw.sampled_from((5.0, 6.0)),
                error=decades(-3.0, 0.0), examples=30)
-    def test_no_step_is_longer_than_what_survived_unless_it_was_run_as_long_at_this_n(self, most, n, time, error):
+    def test_no_step_is_longer_than_what_survived_unless_it_was_run_as_long_at_this_n(self, maximum, n, time, error):
         class Limits:
             @staticmethod
             def survived_around(*_):
-                return most
+                return maximum
 
         offers = best(n, error, "spectrum", time, Limits)
         longest = 1.4 * n / 17  # h‖B(W₀)‖₂ of h = 1
         for offer in offers:
             if n in (17, 33) and time == 5.0:
                 continue  # it worked there
-            self.assertLessEqual(offer.step * longest, most * (1 + 1e-6))
+            self.assertLessEqual(offer.step * longest, maximum * (1 + 1e-6))
 
 
 if __name__ == "__main__":

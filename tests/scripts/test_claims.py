@@ -94,18 +94,18 @@ class Judging(unittest.TestCase):
         self.assertEqual(findings(differences=(1e-15, 1, 1)), [[(HOLDS, 4)], [(HOLDS, 3), (FAILS, 1)]])
 
     def test_order_in_turbulence_is_that_of_the_cheapest_faithful_setting(self):
-        def turbulence(draws):
-            sizes = {33: draws, 65: FEWEST, 129: 10}
-            return Turbulence([trust._replace(n=n, draws=count) for n, count in sizes.items()], [], [
+        def turbulence(samples):
+            sizes = {33: samples, 65: FEWEST, 129: 10}
+            return Turbulence([trust._replace(n=n, samples=count) for n, count in sizes.items()], [], [
                 setting(33, "algebra1", 1.0), setting(33, "algebra1", 0.5), setting(33, "group2", 0.2),
                 setting(33, "group3", 0.4), setting(33, "rk4", 0.1), setting(33, "rk4", 0.3),
                 setting(33, "elp4", 0.01, faithful=False), setting(65, "algebra1", 1.0), setting(65, "group3", 2.0),
                 setting(65, "elp4", None), setting(129, "algebra1", 1.0, faithful=False)], [])
 
-        def setting(n, name, over_practice, **changes):
+        def setting(n, name, over_baseline, **changes):
             entry = formats.listed(name)
             return one._replace(**{"n": n, "integrator": name, "order": entry.order, "family": entry.family,
-                                   "faithful": True, "over_practice": over_practice, **changes})
+                                   "faithful": True, "over_baseline": over_baseline, **changes})
 
         recorded = found_by("turbulence", Turbulence)
         trust, one = recorded.trust[0], recorded.settings[0]
@@ -116,7 +116,7 @@ class Judging(unittest.TestCase):
         self.assertEqual([row.has_orders for row in (orders, prices, winners)], [True, False, True])
         self.assertEqual(orders.evidence, ("recorded/turbulence/report.md",))
         self.assertEqual(claims_table.order_rows(None), [])
-        # By fewer draws than that, no order is named, and none is compared with another.
+        # By fewer samples than that, no order is named, and none is compared with another.
         orders, prices, winners = claims_table.order_rows(turbulence(FEWEST - 1))
         for row in (orders, winners):
             self.assertRegex(cell_text(row.findings["optimised"], True), r"^undecided at n = 33, 2 at n = 65")
@@ -207,7 +207,7 @@ class Rendering(FolderTest):
                 ("theorem", "claims", "result", FAILS), ("accuracy", "comparisons", "verdict", TIE),
                 ("accuracy", "comparisons", "ratio", 0.5), ("accuracy", "gauss_order", "median", 3),
                 ("turbulence", "settings", "faithful", False), ("turbulence", "settings", "order", 3),
-                ("turbulence", "trust", "draws", 3)):
+                ("turbulence", "trust", "samples", 3)):
             path = os.path.join(recorded, study, "findings.json")
             whole_file = text_of(path)
             document = json.loads(whole_file)
@@ -240,7 +240,7 @@ class Study(FolderTest):
                 mock.patch("lib.running.timed.by_processes", return_value=[defaultdict(lambda: [1.0])]) as measured:
             claims_study.thread_tables(options, (65,), ["group2"], checkpoint)
             self.assertEqual(measured.call_args.args[-1], os.sched_getaffinity(0))
-            claims_study.times_of([{"rows": ["group2"]}], claims_study.of_draws, checkpoint, options, "draws")
+            claims_study.times_of([{"rows": ["group2"]}], claims_study.of_samples, checkpoint, options, "samples")
             self.assertIsNone(measured.call_args.args[-1])  # which means the last core alone
 
     def test_another_blas_and_other_answers_are_refused(self):

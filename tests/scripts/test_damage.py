@@ -56,7 +56,7 @@ def write_threads(folder):
 
 
 def write_scaling(folder):
-    points = [scaling_documents.point(rung=rung) for rung in ("published", "fast")]
+    points = [scaling_documents.point(ablation=ablation) for ablation in ("published", "fast")]
     return scaling_documents.write_tables(
         os.path.join(folder, "raw.json"), points=points, memory=[scaling_table.Memory(17, 1e9)],
         rates=[scaling_table.Rate(17, "fast", [1e-7])],
@@ -289,7 +289,7 @@ CONTRADICTIONS = {
         (keep("lines", lambda row: row["integrator"] != "rk4"), "runs of rk4"),
         (keep("integrators", lambda row: row["name"] != "rk4"), "runs of rk4"),
         (change("runs", n=33), "n = 33"), (change("runs", scene="calm"), "calm"),
-        (change("duels", contender="euler"), "contender"), (change("lines", end="tired"), "end"),
+        (change("comparisons", candidate="euler"), "candidate"), (change("lines", end="tired"), "end"),
         (change("runs", is_of(status="converged"), cpu_seconds=[0.0]), "cpu_seconds")),
     "claims": (
         (none("rates"), "rates has no n = 65"), (keep("octave_products", is_of(n=17)), "n = 33"),
@@ -328,10 +328,10 @@ CONTRADICTIONS = {
         (keep("runs", lambda row: row["integrator"] != "rk8"), "not every reference run"),
         (keep("integrators", lambda row: row["name"] != "rk4"), "does not list the integrator rk4"),
         (keep("integrators", lambda row: row["name"] != "rk8"), "does not list the integrator rk8"),
-        (keep("runs", lambda row: (row["role"], row["draw"]) != ("method", 1)), "not every draw of elp4"),
-        (keep("runs", lambda row: (row["role"], row["draw"], row["ensemble"]) != ("reference", 0, 0)),
+        (keep("runs", lambda row: (row["role"], row["sample"]) != ("method", 1)), "not every sample of elp4"),
+        (keep("runs", lambda row: (row["role"], row["sample"], row["ensemble"]) != ("reference", 0, 0)),
          "not every reference run at n = 33"),
-        (keep("runs", lambda row: (row["role"], row["draw"], row["ensemble"]) != ("far", 0, 0)),
+        (keep("runs", lambda row: (row["role"], row["sample"], row["ensemble"]) != ("far", 0, 0)),
          "not every far run at n = 33"),
         (change("runs", is_of(role="far"), status="unstable"), "not every far run at n = 33"),
         (change("runs", bands=None), "a run at n = 33 without its averages"),

@@ -12,9 +12,9 @@ from properties import SEEDS, decades, fails, holds_for
 from scipy import stats
 
 from lib.judging import drift, trend
-from lib.judging.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, LEAST_DRIFT, LEAST_GROWTH, LOST,
-                               MOST_TREND, ROUNDING, Estimate, growth_of, judged, slope_of, verdict_on)
-from lib.judging.trend import FEWEST_ROUNDS, LEAST_CHANGE, LEVEL, Trend
+from lib.judging.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, MIN_DRIFT, MIN_GROWTH, LOST,
+                               MAX_TREND, ROUNDING, Estimate, growth_of, judged, slope_of, verdict_on)
+from lib.judging.trend import FEWEST_ROUNDS, MIN_CHANGE, LEVEL, Trend
 from lib.judging.verdicts import UNDECIDED
 
 WINDOWS = draw.integers(60, 200)
@@ -135,8 +135,8 @@ class Verdicts(unittest.TestCase):
 
         found = said(1, 1, 1)
         self.assertEqual(found, said(1, -1, -1))  # trends up and down
-        grows = growth[0] - growth[1] > LEAST_GROWTH or abs(drift_found[0]) - drift_found[1] > LEAST_DRIFT
-        stays = all(abs(value) <= half and abs(value) < MOST_TREND for value, half in (trend_found, drift_found))
+        grows = growth[0] - growth[1] > MIN_GROWTH or abs(drift_found[0]) - drift_found[1] > MIN_DRIFT
+        stays = all(abs(value) <= half and abs(value) < MAX_TREND for value, half in (trend_found, drift_found))
         self.assertEqual(found, GROWS if grows else BOUNDED if stays else UNDECIDED)
         without = verdict_on([1e-6], None, None, None, True)
         self.assertEqual(without, UNDECIDED)
@@ -212,7 +212,7 @@ class Trends(unittest.TestCase):
     def test_a_trend_is_shown_up_or_down_if_it_is_rare_and_large_enough(self, change, probability):
         shown = Trend(9, 7, 1.0, probability, change).is_shown()
         self.assertEqual(shown, Trend(9, 7, -1.0, probability, -change).is_shown())
-        self.assertEqual(shown, probability < LEVEL and abs(change) > LEAST_CHANGE)
+        self.assertEqual(shown, probability < LEVEL and abs(change) > MIN_CHANGE)
 
     def test_a_wrong_property_is_seen(self):  # the control
         def rises_only(times):

@@ -28,7 +28,7 @@ from lib.records.formats import FORMULATIONS, listed, read_study
 from studies.limits.schema import read_limits
 from studies.longruns.schema import read_longruns
 from studies.longruns.judge import figures as longruns_figures
-from studies.scaling.schema import read_rough, read_scaling, rungs_of
+from studies.scaling.schema import read_rough, read_scaling, ablations_of
 from studies.threads.schema import read_threads
 from studies.turbulence.schema import LOOSE, Setting, read_turbulence
 from lib.judging.verdicts import FEWEST
@@ -38,7 +38,7 @@ RECORDED = os.path.join(ROOT, "results", "recorded")
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
-    from studies.accuracy import single_runs as accuracy_runs, comparisons as duels
+    from studies.accuracy import single_runs as accuracy_runs, comparisons as comparisons
     from lib.running import built, initial_states, trials
 
 LINES = ["group2", "rk4", "group2_frame", "rk4_frame", "elp4_frame"]  # of accuracy
@@ -188,16 +188,16 @@ class Accuracy(StudyTest):
             with self.assertRaises(AssertionError):
                 self.assert_counts_of_other_kernels(of_50[name]._replace(**changes), of_50[name])
 
-    def test_duels_take_the_steps_that_reach_the_error_with_least_work(self):
+    def test_comparisons_take_the_steps_that_reach_the_error_with_least_work(self):
         found = self.found("accuracy")
-        self.assertEqual({wanted for _, wanted in found.duels}, set(duels.WANTED))
-        for wanted in duels.WANTED:
-            duel = found.duel(self.PROBLEM, wanted)
-            self.assertEqual(set(duel), {"explicit", "rk4", "gauss", "gauss_loose", "elp", "elp_bounded",
-                                         *(["gauss_published"] if wanted == duels.WANTED_PUBLISHED else
+        self.assertEqual({wanted for _, wanted in found.comparisons}, set(comparisons.WANTED))
+        for wanted in comparisons.WANTED:
+            comparison = found.comparison(self.PROBLEM, wanted)
+            self.assertEqual(set(comparison), {"explicit", "rk4", "gauss", "gauss_loose", "elp", "elp_bounded",
+                                         *(["gauss_published"] if wanted == comparisons.WANTED_PUBLISHED else
                                            ["gauss_matched", "elp_matched"])})
-            for contender, row in duel.items():
-                with self.subTest(wanted=wanted, contender=contender):
+            for candidate, row in comparison.items():
+                with self.subTest(wanted=wanted, candidate=candidate):
                     self.assertTrue(listed(row.integrator).co_rotating)
                     self.assertLessEqual(row.error, wanted)
                     self.assertEqual(len(row.cpu_seconds), 1)
@@ -206,10 +206,10 @@ class Accuracy(StudyTest):
                     setting = accuracy_runs.Setting(job)
                     again, _ = setting.look(setting.method(row.tolerance), row.steps, row.tolerance)
                     self.assertLess(abs(again.error / row.error - 1), 1e-3 + 100 * row.tolerance / row.error)
-        duel = found.duel(self.PROBLEM, 1e-4)
+        comparison = found.comparison(self.PROBLEM, 1e-4)
         for loose, matched in (("gauss_loose", "gauss_matched"), ("elp", "elp_matched")):
-            self.assertEqual(duel[matched].tolerance, 1e-6)
-            self.assertLess(duel[matched].equivalent_products, duel[loose].equivalent_products)
+            self.assertEqual(comparison[matched].tolerance, 1e-6)
+            self.assertLess(comparison[matched].equivalent_products, comparison[loose].equivalent_products)
 
     @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
     def test_a_cluster_gives_what_this_machine_gives(self):
@@ -224,7 +224,7 @@ class Accuracy(StudyTest):
             self.assertTrue(found)
         self.assertEqual(there.ends, {line: end for line, end in here.ends.items() if line[1] in some})
 
-    def test_the_quick_study_has_lines_of_its_methods_and_a_row_for_each_contender(self):
+    def test_the_quick_study_has_lines_of_its_methods_and_a_row_for_each_candidate(self):
         accuracy, plan = (studies.module("accuracy", name) for name in ("run", "plan"))
         self.assertEqual(accuracy.parse(["--out", "x", "--quick"]).processes, FEWEST)  # enough for a verdict
         found = read_accuracy(self.ran("accuracy", "--quick", "--n", "17", "--scene", "rough", "--processes", "1"))
@@ -236,10 +236,10 @@ class Accuracy(StudyTest):
         self.assertLessEqual({each.steps for each in found.runs}, set(plan.COARSE_STEPS))
         for problem, *form in found.lines:
             self.assertGreaterEqual(len(found.line(problem, *form)), 4)
-        for duel in found.duels.values():
-            self.assertEqual({*duel, "gauss_published", "named_published", "gauss_matched", "elp_matched", "other"},
-                             {*duels.CLASSES})
-            self.assertEqual({len(row.cpu_seconds) for row in duel.values()}, {1})
+        for comparison in found.comparisons.values():
+            self.assertEqual({*comparison, "gauss_published", "named_published", "gauss_matched", "elp_matched", "other"},
+                             {*comparisons.CLASSES})
+            self.assertEqual({len(row.cpu_seconds) for row in comparison.values()}, {1})
 
     def test_references_that_are_kept_missing_or_of_another_scene(self):
         asked = ("--scene", "smooth", "developed", "--time", "5", "--n")
@@ -317,28 +317,28 @@ class Limits(StudyTest):
 
 
 class Scaling(StudyTest):
-    def test_every_rung_from_both_starts(self):
+    def test_every_ablation_from_both_starts(self):
         found = self.found("scaling")
-        expected = [(at, 9, name, rung) for at in (5.0, 50.0)
-                    for name in ("group1", "elp4", "rk4") for rung in rungs_of(listed(name))]
+        expected = [(at, 9, name, ablation) for at in (5.0, 50.0)
+                    for name in ("group1", "elp4", "rk4") for ablation in ablations_of(listed(name))]
         self.assertEqual(sorted(found.points), sorted(expected))
         self.assertEqual({len(point.seconds) for point in found.points.values()}, {2})
         self.assertIn("timed_on", found.context)
         self.assertEqual((found.memory, found.threads), ([], []))
         self.assertEqual({key for key in found.rates}, {(9, "fast"), (9, "published")})
         for at in found.starts():
-            sweeps = {rung: point.sweeps for (begin, _, name, rung), point in found.points.items()
+            sweeps = {ablation: point.sweeps for (begin, _, name, ablation), point in found.points.items()
                       if (begin, name) == (at, "group1")}
             # From a cold start: products that round otherwise end a step a sweep sooner or later, not every step.
             self.assertLess(abs(sweeps["without any"] - sweeps["published"]), 1)
             self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
             steps = {(point.integrator, point.step, point.tolerance) for point in found.points.values()}
             self.assertEqual(steps, {("group1", 0.1, 1e-13), ("elp4", 0.25, 1e-8), ("rk4", 0.1, 1e-13)})
-            for rung in rungs_of(listed("elp4")):
-                point = found.points[at, 9, "elp4", rung]
-                if rung in ("published", "without any", "without either start", "without graded series"):
+            for ablation in ablations_of(listed("elp4")):
+                point = found.points[at, 9, "elp4", ablation]
+                if ablation in ("published", "without any", "without either start", "without graded series"):
                     fast = found.points[at, 9, "elp4", "fast"].equivalent_products
-                    self.assertGreater(point.equivalent_products, 1.05 * fast, (at, rung))
+                    self.assertGreater(point.equivalent_products, 1.05 * fast, (at, ablation))
 
     def test_another_scene_and_one_start(self):
         scaling, plan = (studies.module("scaling", name) for name in ("run", "plan"))
@@ -347,7 +347,7 @@ class Scaling(StudyTest):
         self.assertEqual({start for start, *_ in found.points}, {5.0})
         # Steps of another flow: the fast form forms other numbers of products.
         (point,) = (each for each in plan.points_of(built.entries(["group2_frame"]), [9], lambda n: "eigen", "rough",
-                                                    (5.0,)) if each["rung"] == "fast")
+                                                    (5.0,)) if each["ablation"] == "fast")
         counted = {}
         for scene in ("smooth", "rough"):
             (W,) = scaling.states_of(scene, 9, (3.5,)).values()
@@ -417,8 +417,8 @@ class Claims(StudyTest):
         (pair,) = found.tables["octave_pairs"]
         self.assertEqual((pair.row, pair.other, pair.stages), ("group", "algebra", 1))
         self.assertTrue(0 < pair.difference < claims.EQUAL)
-        draws = {(cell.hbar, cell.draw) for cell in found.tables["draws"]}
-        self.assertEqual(len(draws), 2 * claims.QUICK_DRAWS)
+        samples = {(cell.hbar, cell.sample) for cell in found.tables["samples"]}
+        self.assertEqual(len(samples), 2 * claims.QUICK_SAMPLES)
         self.assertEqual(found.settings.octave_kernels, found.context["blas_kernels"])
 
 
@@ -437,7 +437,7 @@ class Threads(StudyTest):
 class Turbulence(StudyTest):
     def test_draws_references_and_costs(self):
         found = self.found("turbulence")
-        self.assertEqual((found.sizes[11].draws, found.sizes[11].references, found.sizes[11].far), (3, 3, 4))
+        self.assertEqual((found.sizes[11].samples, found.sizes[11].references, found.sizes[11].far), (3, 3, 4))
         self.assertEqual({setting.integrator for setting in found.ensembles[11]}, {"algebra1", "rk4"})
         self.assertTrue(found.cost(11, Setting("rk4", 0.25, LOOSE)))
 

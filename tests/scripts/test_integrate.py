@@ -367,7 +367,7 @@ class Notes(IntegrateTest):
 class Threads(IntegrateTest):
     """Threads that wait for work sleep, so that on a busy machine they take no more time than they work."""
 
-    MOST = 3.0  # CPU time of two threads over that of one, beside one busy process on each core
+    MAXIMUM = 3.0  # CPU time of two threads over that of one, beside one busy process on each core
 
     def setUp(self):
         super().setUp()
@@ -396,12 +396,12 @@ class Threads(IntegrateTest):
     def test_two_threads_beside_busy_processes(self):
         # In turns: the least of several is what a run takes when nobody disturbs it further. Three are enough.
         one, two, passive = [], [], []
-        while len(one) < 3 and (not one or max(min(two), min(passive)) >= self.MOST * min(one)):
+        while len(one) < 3 and (not one or max(min(two), min(passive)) >= self.MAXIMUM * min(one)):
             one.append(self.seconds("1"))
             two.append(self.seconds("2"))
             passive.append(self.seconds("2", OMP_WAIT_POLICY="passive"))
-        self.assertLess(min(two), self.MOST * min(one))
-        self.assertLess(min(passive), self.MOST * min(one))  # what is asked for is done
+        self.assertLess(min(two), self.MAXIMUM * min(one))
+        self.assertLess(min(passive), self.MAXIMUM * min(one))  # what is asked for is done
         # Since a step is one parallel region, the setting of OpenMP's spins no longer decides this. The control, a
         # thread that is held up, is in tests/parallel_test.cpp.
 

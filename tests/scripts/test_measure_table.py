@@ -15,9 +15,9 @@ from programs import (BAD_ARGUMENTS, DONE, MEASURE, ROOT, SOLVER_FAILED, FolderT
 from lib.running import fresh_process
 from lib.programs.command_line import Stop
 from lib.records.table_file import read_run
-from lib.running.fresh_process import MOST_SWITCHES, Disturbance, run_on
+from lib.running.fresh_process import MAX_SWITCHES, Disturbance, run_on
 from studies.tables.processes import Plan, measure, quickest
-from lib.judging.verdicts import FEWEST, MOST
+from lib.judging.verdicts import FEWEST, MAXIMUM
 
 QUIET, BUSY = Disturbance(0.0, 1.0), Disturbance(0.0, 100.0)
 
@@ -97,15 +97,15 @@ class MeasureTest(FolderTest):
 class Processes(MeasureTest):
     def test_a_decided_n_takes_six_processes_and_an_undecided_one_twelve(self):
         document, status, rows = self.measured(17, 33, times={"17": DECIDED, "33": UNCERTAIN})
-        self.assertEqual((status, len(self.calls(17)), len(self.calls(33))), (DONE, FEWEST, MOST))
-        self.assertEqual(document["context"]["processes"], f"n=17: {FEWEST}; n=33: {MOST}")
+        self.assertEqual((status, len(self.calls(17)), len(self.calls(33))), (DONE, FEWEST, MAXIMUM))
+        self.assertEqual(document["context"]["processes"], f"n=17: {FEWEST}; n=33: {MAXIMUM}")
         self.assertNotIn("host_name", document["context"])
-        self.assertEqual(len(rows), 3 * (FEWEST + MOST))  # of each cell the quickest of three repetitions
+        self.assertEqual(len(rows), 3 * (FEWEST + MAXIMUM))  # of each cell the quickest of three repetitions
         self.assertNotIn("family_index", rows[0])
         path = self.write("raw.json", json.dumps(document))
         found = read_run(path, ("table1",), ("energy_error",), (), "table1")
         times = found.cell("group", 33, 1).times
-        self.assertEqual([round(1e3 * times[process], 6) for process in range(MOST)], [2.0, 2.2] * (MOST // 2))
+        self.assertEqual([round(1e3 * times[process], 6) for process in range(MAXIMUM)], [2.0, 2.2] * (MAXIMUM // 2))
 
     def test_every_process_does_the_same_work_in_turns(self):
         self.measured(17, times={"17": DECIDED})
@@ -205,7 +205,7 @@ class Disturbances(unittest.TestCase):
             neighbour.kill()
             neighbour.wait()
         self.assertEqual(status, 0)
-        self.assertGreater(disturbance.switches, MOST_SWITCHES)
+        self.assertGreater(disturbance.switches, MAX_SWITCHES)
 
     def test_a_process_ends_with_the_one_that_started_it_even_if_that_is_killed(self):
         # The inner one writes down its number, and would wait for ten minutes.

@@ -211,9 +211,9 @@ class Arrays(unittest.TestCase):
         def peak(observe):
             tracemalloc.start()
             self.method.run(W, 0.1, 20, observe=observe, out=W)
-            _, most = tracemalloc.get_traced_memory()
+            _, maximum = tracemalloc.get_traced_memory()
             tracemalloc.stop()
-            return most
+            return maximum
 
         kept = []
         self.assertLess(peak(lambda step, V, report: self.assertTrue(np.shares_memory(V, W))), 2 * W.nbytes)
@@ -897,7 +897,7 @@ class Beside(unittest.TestCase):
         return found, float(seconds) - used
 
     def test_ctrl_c_ends_a_run_with_a_whole_state_and_a_step_between_sweeps(self):
-        for n, steps, unmoved, most_seconds in ((33, 10**8, "False", 1.0), (600, 1, "True", 2.5)):
+        for n, steps, unmoved, max_seconds in ((33, 10**8, "False", 1.0), (600, 1, "True", 2.5)):
             if SANITIZED and steps == 1:
                 continue  # a sweep takes long
             for solver in ("published", "fast"):
@@ -905,7 +905,7 @@ class Beside(unittest.TestCase):
                     (error, *found), seconds = self.interrupted(n, solver, steps)
                     self.assertEqual(found, [unmoved] * 2)
                     self.assertLess(float(error), 1e-8)
-                    self.assertLess(seconds, most_seconds)
+                    self.assertLess(seconds, max_seconds)
 
     def test_the_interpreter_ends_while_a_daemon_thread_runs(self):
         for solver, observe in (("published", None), ("fast", "lambda *_: None")):

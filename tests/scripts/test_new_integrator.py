@@ -44,7 +44,7 @@ RUNS = {"accuracy": (("--n", "17", "--scene", "smooth", "--repetitions", "1"), (
         "limits": (("--n", "9", "17"), ("limits",)),
         "longruns": ((), ("energy_against_cost",)),
         "scaling": (("--n", "9", "--repetitions", "1", "--start", "5"), ()),
-        "turbulence": (("--n", "11", "--processes", "1"), ())}  # nothing is faithful by so few draws
+        "turbulence": (("--n", "11", "--processes", "1"), ())}  # nothing is faithful by so few samples
 # These compare the formulations of Gauss methods and of compositions; any other method has none.
 OF_FORMULATIONS = ("claims", "theorem")
 OF_FAST_FORMS = ("threads",)  # the method has none; test_threads has one with it

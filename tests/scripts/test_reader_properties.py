@@ -22,7 +22,7 @@ from studies.scaling.schema import Scaling
 from studies.theorem.schema import Coincidence
 from studies.theorem import judge as theorem_judge
 from studies.threads.schema import Settings, Threads
-from studies.turbulence.statistics import LEAST_SPREAD, Reference, Spreads, drifts_of
+from studies.turbulence.statistics import MIN_SPREAD, Reference, Spreads, drifts_of
 from lib.judging.verdicts import FAILS, FASTER, HOLDS, SLOWER, TIE, UNDECIDED, compared, fastest, ratio_of
 from limits_documents import limits_study
 from scaling_documents import point
@@ -58,11 +58,11 @@ class Limits(unittest.TestCase):
                                       min((at for at in held if at >= n), default=None)) if at]
         self.assertEqual(around, min(beside))
         self.assertIsNone(found.survived_around(FAST, "rough", n, "rk4"))
-        self.assertEqual(found.least_survived(), {("rk4", FAST, at): held[at] for at in sorted(held)})
+        self.assertEqual(found.min_survived(), {("rk4", FAST, at): held[at] for at in sorted(held)})
         for at, (own, drawn) in works.items():
             self.assertEqual(found.own(FAST, "smooth", at, "rk4"), own)
             line = found.lines[FAST, "smooth", at, "rk4"]
-            self.assertEqual((line.least, line.largest), (min(own, drawn), max(own, drawn)))
+            self.assertEqual((line.minimum, line.largest), (min(own, drawn), max(own, drawn)))
 
     @holds_for(works=draw.lists(STEPS, min_size=2, max_size=4), share=draw.floats(0.5, 1.0))
     def test_counts_of_limits_below_and_within_others(self, works, share):
@@ -80,7 +80,7 @@ class Limits(unittest.TestCase):
 
     def test_lines_without_a_limit_have_none(self):
         line = Line((Limit(FAST, "smooth", 9, "rk4", 0, 0.5, "dd", None, None, None),))
-        self.assertEqual((line.least, line.largest, line.has_island), (None, None, False))
+        self.assertEqual((line.minimum, line.largest, line.has_island), (None, None, False))
 
 
 def line_by_chance(seed):
@@ -160,7 +160,7 @@ class Turbulence(unittest.TestCase):
     @holds_for(low=draw.floats(0.3, 1.2), width=draw.floats(0.0, 1.0))
     def test_references_are_independent_by_the_lower_end_of_their_spread(self, low, width):
         spreads = Spreads(*(numpy.array([1.0, each]) for each in (low + width / 2, low, low + width)))
-        self.assertEqual(spreads.are_independent, low >= LEAST_SPREAD)
+        self.assertEqual(spreads.are_independent, low >= MIN_SPREAD)
 
     @holds_for(seed=SEEDS, shift=draw.floats(-3.0, 3.0), unit=draw.floats(0.1, 10.0), ensembles=draw.integers(3, 8))
     def test_scores_do_not_depend_on_units_and_origins_and_turn_with_the_sign(self, seed, shift, unit, ensembles):
@@ -193,7 +193,7 @@ FORMS = draw.sampled_from(FORMULATIONS)
 
 
 class Speed(unittest.TestCase):
-    @holds_for(times=times_of_rows(rows=3, least=1))
+    @holds_for(times=times_of_rows(rows=3, minimum=1))
     def test_algebra_is_competitive_if_it_is_faster_than_the_fastest_other_or_ties(self, times):
         rows = dict(zip(("cotangent", "group", "algebra"), times))
         others = {name: each for name, each in rows.items() if name != "algebra"}
@@ -209,19 +209,19 @@ class Speed(unittest.TestCase):
     def test_the_cheapest_in_turbulence_are_faithful_and_one_a_method(self, settings):
         results = [turbulence_judge.SettingResult(
             n, name, listed(name).order, listed(name).family, "nothing", 0.1, 1e-8, name == "algebra1", 0, 0, None,
-            None, 1.0, faithful, over_practice=cost) for n, name, faithful, cost in settings]
+            None, 1.0, faithful, over_baseline=cost) for n, name, faithful, cost in settings]
         found = cheapest_settings(turbulence_judge.Findings([], [], results, []), 33)
         costs = {}
         for n, name, faithful, cost in settings:
             if n == 33 and faithful and cost:
                 costs[name] = min(cost, costs.get(name, cost))
-        self.assertEqual({each.integrator: each.over_practice for each in found}, costs)
+        self.assertEqual({each.integrator: each.over_baseline for each in found}, costs)
         self.assertEqual(len(found), len(costs))
         if found:
             best = order_finding(33, found, len(found))
             self.assertEqual(costs[best.where.split("(")[1].rstrip(")")], min(costs.values()))
 
-    @holds_for(times=times_of_rows(rows=3, least=2), numbers=draw.sampled_from(((1, 2, 4), (1, 3, 8), (1, 2, 16))))
+    @holds_for(times=times_of_rows(rows=3, minimum=2), numbers=draw.sampled_from(((1, 2, 4), (1, 3, 8), (1, 2, 16))))
     def test_threads_are_judged_against_the_next_smaller_number_and_their_gain_against_one(self, times, numbers):
         runs = [of_threads(number, noise=each, seconds=1.0) for number, each in zip(numbers, times)]
         runs = [each._replace(**{name: tuple(getattr(each, name)) for name in ("seconds", "same")}) for each in runs]
@@ -239,11 +239,11 @@ class Speed(unittest.TestCase):
         self.assertEqual(len(found.different()), not all(same))
 
     @holds_for(ratios=draw.lists(NEAR_ONE, min_size=3, max_size=5), seed=SEEDS)
-    def test_gains_of_rungs_are_within_a_round_and_over_the_fast_form(self, ratios, seed):
+    def test_gains_of_ablations_are_within_a_round_and_over_the_fast_form(self, ratios, seed):
         noise = random.Random(seed)
         paces = [noise.uniform(1e-6, 1e-3) for _ in ratios]
-        points = [point(rung="fast", seconds=paces),
-                  point(rung="published", seconds=[pace * ratio for pace, ratio in zip(paces, ratios)])]
+        points = [point(ablation="fast", seconds=paces),
+                  point(ablation="published", seconds=[pace * ratio for pace, ratio in zip(paces, ratios)])]
         found = Scaling(Study({}, None, {"points": points, "integrators": [listed("group2")], "rates": [], "memory": [],
                                          "threads": []}))
         for each, ratio in zip(found.ratios(5.0, 17, "group2", "published"), ratios, strict=True):

@@ -1,5 +1,5 @@
 """Tests of scripts/recommend on the made-up study of study_documents.py, whose answers are worked out by hand, and of
-its pilots on small scenes.
+its trials on small scenes.
 
 There errors and seconds of a fast form are, with N = 5/h steps from 5 to 200, rk4 1e-2 h⁴ and 1e-4 N; rkmk4 1e-3 h⁴ and
 1e-3 N; group2 0.1 h⁴ and 4e-3 N, in the frame 1e-2 h⁴; elp4_frame 1e-2 h⁴ and 2e-3 N; group1 h² and 1.5e-3 N;
@@ -23,7 +23,7 @@ from programs import (BUILD, DATA, HAS_MODULE, ROOT, FolderTest, call_script, pr
                       run_script, strict_json)
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
-from recommender import trial_planner as pilot_planner
+from recommender import trial_planner as trial_planner
 from lib.running import built
 from studies.accuracy import cheapest as recommendation
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, keeping_tolerance
@@ -34,7 +34,7 @@ from lib.records.formats import CONVERGED, STATUSES, listed
 
 SCRIPT = os.path.join(ROOT, "scripts", "recommend")
 UNANSWERABLE = 3
-LEAST = 0.99  # the least of a run's repetitions over its usual time
+MINIMUM = 0.99  # the least of a run's repetitions over its usual time
 QUESTION = {"--n": "17", "--time": "5", "--error": "1"}
 
 
@@ -312,15 +312,15 @@ class Refusals(RecommendTest):
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built")
-class Pilots(FolderTest):
+class Trials(FolderTest):
     MODES = os.path.join(DATA, "initial_modes.csv")
 
-    def pilots(self, *arguments, error=1e-6, budget=5):
+    def trials(self, *arguments, error=1e-6, budget=5):
         return run([sys.executable, "-B", SCRIPT, "--time", "4", "--error", str(error), "--budget", str(budget),
                     *arguments])
 
     def answer(self, *arguments, **options):
-        result = self.pilots(*arguments, "--json", **options)
+        result = self.trials(*arguments, "--json", **options)
         self.assertEqual(result.returncode, 0, result.stderr)
         return strict_json(result.stdout)
 
@@ -359,9 +359,9 @@ class Pilots(FolderTest):
             self.assertEqual("--tolerance 1e-08" in offer["command"], usual == 1e-8)
         self.assertIn(1e-8, [offer["tolerance"] for offer in (found, *found["runners_up"])])
         self.check(found, 1e-6, "--n", "9", "--initial", initial, "--tolerance", "1e-14")
-        self.assert_refused(self.pilots("--state", initial, "--n", "10"), "(9, 9), must be (10, 10)")
+        self.assert_refused(self.trials("--state", initial, "--n", "10"), "(9, 9), must be (10, 10)")
         numpy.save(initial, numpy.triu(W))
-        self.assert_refused(self.pilots("--state", initial), "--state", "skew")
+        self.assert_refused(self.trials("--state", initial), "--state", "skew")
 
     def test_a_scene_that_takes_too_long_is_answered_within_the_budget(self):
         # Of CPU time it cannot take more, however busy the machine: the answer's run takes longer.
@@ -369,9 +369,9 @@ class Pilots(FolderTest):
             children = resource.getrusage(resource.RUSAGE_CHILDREN)
             return children.ru_utime + children.ru_stime
 
-        for budget in (2, 4, 8, 16):  # a slow or busy machine finishes no pilot run in the least
+        for budget in (2, 4, 8, 16):  # a slow or busy machine finishes no trial run in the least
             before = used()
-            result = self.pilots("--n", "65", "--modes", self.MODES, "--time", "1600", "--json", budget=budget)
+            result = self.trials("--n", "65", "--modes", self.MODES, "--time", "1600", "--json", budget=budget)
             self.assertLess(used() - before, budget + 2)  # and the start of two Pythons
             if result.returncode == 0:
                 break
@@ -382,25 +382,25 @@ class Pilots(FolderTest):
         self.assertIn("extrapolated", json.dumps(found["statements"]))
 
     def search(self):
-        """Returns pilots, a Search of a scene to T = 8, one of its integrators, and a pilot to T = 4 of that."""
+        """Returns trials, a Search of a scene to T = 8, one of its integrators, and a trial to T = 4 of that."""
         sys.path.insert(0, os.path.join(BUILD, "python"))
-        from recommender import trial_runs as pilots  # only now: it needs the module
-        search = pilots.Search(pilots.isosyrk.scene("smooth", n=9), Question("smooth", 9, 8.0, 1e-6, "spectrum"))
+        from recommender import trial_runs as trials  # only now: it needs the module
+        search = trials.Search(trials.isosyrk.scene("smooth", n=9), Question("smooth", 9, 8.0, 1e-6, "spectrum"))
         (rkmk4,) = (each for each in search.candidates if each.name == "rkmk4_frame")
-        return pilots, search, rkmk4, recommendation.Outcome(rkmk4, 9, 4.0, 40, 1e-7, 1.0, growth=2.0)
+        return trials, search, rkmk4, recommendation.Outcome(rkmk4, 9, 4.0, 40, 1e-7, 1.0, growth=2.0)
 
     def test_candidates_are_all_fast_forms_in_the_frame_that_keep_what_is_asked_for(self):
-        pilots, search, *_ = self.search()
-        listed = [each.name for each in pilots.isosyrk.integrators() if each.has_fast_form
+        trials, search, *_ = self.search()
+        listed = [each.name for each in trials.isosyrk.integrators() if each.has_fast_form
                   and each.name.endswith("_frame")]
         for structure, some, none in (("nothing", "rk8_frame", "bm2_frame"), ("poisson", "elp6_frame", "magnus5_frame"),
                                       ("spectrum", "abm8_projected_frame", "rk8_frame")):
-            names = [each.name for each in pilots.candidates_for(structure)]
+            names = [each.name for each in trials.candidates_for(structure)]
             self.assertEqual((some in names, none in names), (True, False))
             self.assertEqual(set(names), set(listed) if structure == "nothing" else {*names} & {*listed})
         self.assertEqual(names, [each.name for each in search.candidates])
 
-    def test_pilots_of_exponential_methods_have_bounded_energy_where_structure_or_energy_is_asked_for(self):
+    def test_trials_of_exponential_methods_have_bounded_energy_where_structure_or_energy_is_asked_for(self):
         _, search, rkmk4, _ = self.search()
         elp6, magnus5 = (next(each for each in search.candidates if each.name == f"{name}_frame")
                          for name in ("elp6", "magnus5"))
@@ -413,15 +413,15 @@ class Pilots(FolderTest):
         ran = recommendation.Outcome(elp6, 9, 80.0, 400, 1e-9, 1.0, status=CONVERGED, kept=1e-12)
         search.question = search.question._replace(time=100.0)
         for tolerance, good in ((LOOSE_EXPONENTIAL, False), (ENERGY_BOUNDED, True)):
-            search.good, search.pilots = {}, [replace(ran, tolerance=tolerance)]
+            search.good, search.trials = {}, [replace(ran, tolerance=tolerance)]
             search.settle()
             self.assertEqual(elp6 in search.good, good)
 
     def test_seconds_of_an_offer_are_those_of_its_own_steps(self):
-        pilots, search, rkmk4, pilot = self.search()
-        search.good, search.end = {rkmk4: pilot}, (4.0, "the state at T = 4")
+        trials, search, rkmk4, trial = self.search()
+        search.good, search.end = {rkmk4: trial}, (4.0, "the state at T = 4")
         (before,) = search.ranking()
-        self.assertAlmostEqual(before.seconds, before.steps / pilot.steps)
+        self.assertAlmostEqual(before.seconds, before.steps / trial.steps)
         self.assertIn("steps of rkmk4_frame were timed: these seconds are scaled", search.statements[-1])
         calls, timed = [], []
 
@@ -432,25 +432,25 @@ class Pilots(FolderTest):
                 calls.append(W)
                 timed.append(steps)
                 if len(calls) == 1:
-                    raise pilots.isosyrk.SolverError(1, "diverged", 1.0, W, mock.Mock(sweeps=9))
+                    raise trials.isosyrk.SolverError(1, "diverged", 1.0, W, mock.Mock(sweeps=9))
                 return [steps * 1e-5 / h]
 
         search.method = lambda *_: Method()
         search.time_offers()
         (after,) = search.ranking()
-        self.assertLessEqual(after.step, before.step / pilot_planner.BELOW_FAILURE)
-        self.assertGreater(timed[-1], pilots.LEAST_STEPS)  # steps as short as these take more of them to be timed
+        self.assertLessEqual(after.step, before.step / trial_planner.BELOW_FAILURE)
+        self.assertGreater(timed[-1], trials.MIN_STEPS)  # steps as short as these take more of them to be timed
         self.assertAlmostEqual(after.seconds, after.steps * 1e-5 / after.step)
         self.assertEqual(set(calls), {"the state at T = 4"})
         self.assertIn("timed from T = 4 on", search.statements[-1])
         # What was run over the whole time is not timed again.
-        search.good = {rkmk4: replace(pilot, time=8.0, status=CONVERGED)}
+        search.good = {rkmk4: replace(trial, time=8.0, status=CONVERGED)}
         done = len(calls)
         search.time_offers()
         self.assertEqual((len(calls), search.ranking()[0].seconds), (done, 1.0))
 
-    def test_the_growth_of_a_pilot_is_the_power_of_time_that_its_error_follows(self):
-        pilots, search, rkmk4, _ = self.search()
+    def test_the_growth_of_a_trial_is_the_power_of_time_that_its_error_follows(self):
+        trials, search, rkmk4, _ = self.search()
         W = search.setting.scene.initial
         search.exact, search.uncertainty = (W, W), 1e-7  # how far the reference is off itself
         search.reference = recommendation.Outcome(rkmk4, 9, search.time, 40, 1e-12, 1.0)
@@ -462,21 +462,21 @@ class Pilots(FolderTest):
                 return W, SimpleNamespace(seconds=0.0, steps=steps), CONVERGED, None, 0.0
 
             with mock.patch.object(search.setting, "run", known):
-                pilot, _ = search.run(rkmk4, 8)
-            self.assertAlmostEqual(pilot.growth, power, 5)
-            self.assertAlmostEqual(pilot.error / 1.1e-6, 1, 5)
+                trial, _ = search.run(rkmk4, 8)
+            self.assertAlmostEqual(trial.growth, power, 5)
+            self.assertAlmostEqual(trial.error / 1.1e-6, 1, 5)
 
     def test_what_cannot_be_used_or_answered(self):
         modes = {"empty": "", "header": "l,m\n1,0\n", "fields": "l,m,re,im\n1,0,1\n", "more": "l,m,re,im\n2,1,1,0,0\n",
                  "number": "l,m,re,im\n2,1,x,0\n", "infinite": "l,m,re,im\n2,1,nan,0\n",
                  "degree": "l,m,re,im\n9,1,1,0\n", "none": "l,m,re,im\n", "underscore": "l,m,re,im\n2,1,1_0,0\n",
                  "space": "l,m,re,im\n2,1,1 0,0\n", "quoted": 'l,m,re,im\n2,1,"1",0\n'}
-        pilots, *_ = self.search()
+        trials, *_ = self.search()
 
         def refused(option, path, *parts, n=9):
             options = SimpleNamespace(**{"modes": None, "state": None, option: path}, own=path, n=n, hbar=None)
             with self.subTest(path=path, parts=parts), self.assertRaises(UnusableFile) as caught:
-                pilots.scene_of(options)
+                trials.scene_of(options)
             self.assert_one_line(f"{caught.exception}\n", f"--{option}", *parts)
 
         for name, text in modes.items():
@@ -488,10 +488,10 @@ class Pilots(FolderTest):
             numpy.save(self.path("W0.npy"), W)
             refused("state", self.path("W0.npy"), part, n=None)
         # As a user meets it.
-        self.assert_refused(self.pilots("--n", "9", "--modes", self.write("empty", "")), "--modes", "empty")
-        self.assert_refused(self.pilots("--state", self.MODES), "--state", "cannot be read")
-        self.assert_refused(self.pilots("--n", "9", "--modes", self.MODES, error=1e-20), "uncertainty")
-        result = self.pilots("--n", "9", "--modes", self.MODES, budget=1e-3)
+        self.assert_refused(self.trials("--n", "9", "--modes", self.write("empty", "")), "--modes", "empty")
+        self.assert_refused(self.trials("--state", self.MODES), "--state", "cannot be read")
+        self.assert_refused(self.trials("--n", "9", "--modes", self.MODES, error=1e-20), "uncertainty")
+        result = self.trials("--n", "9", "--modes", self.MODES, budget=1e-3)
         self.assertEqual((result.returncode, result.stdout), (UNANSWERABLE, ""))
         self.assert_one_line(result.stderr, "within the budget")
 

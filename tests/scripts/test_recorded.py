@@ -19,7 +19,7 @@ from lib.judging.trend import trend_of
 import studies
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
-MOST_BYTES = 6 * 2**20
+MAX_BYTES = 6 * 2**20
 
 
 def text(*path):
@@ -105,19 +105,19 @@ class Recorded(FolderTest):
             self.skipTest("not a checkout")
         files = [name for name in listed.stdout.split("\0") if name]
         self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "in", "json", "md", "npy", "svg"})
-        self.assertLess(sum(os.path.getsize(os.path.join(ROOT, name)) for name in files), MOST_BYTES)
+        self.assertLess(sum(os.path.getsize(os.path.join(ROOT, name)) for name in files), MAX_BYTES)
 
 
 EXAMPLE = {"<!-- example.cpp:begin -->", "<!-- example.cpp:end -->"}
 LONGEST_LINE = 200  # of prose
 
 
-def too_long(page, most):
+def too_long(page, maximum):
     """Returns which lines of a page outside tables are too long, and whether it has too many."""
     lines = page.splitlines()
     found = [f"line {number}" for number, line in enumerate(lines, 1)
              if len(line) > LONGEST_LINE and not line.startswith("|")]
-    return found + [f"more than {most} lines"] * (len(lines) > most)
+    return found + [f"more than {maximum} lines"] * (len(lines) > maximum)
 
 
 class Pages(unittest.TestCase):

@@ -28,10 +28,10 @@ def with_sizes(sizes):
     return document
 
 
-def duel_of(document, contender, n, wanted=1e-6, scene="smooth"):
-    """Returns a row of a duel, to be changed there."""
-    row = {"contender": contender, "n": n, "wanted": wanted, "scene": scene}
-    return next(each for each in document["duels"] if row.items() <= each.items())
+def comparison_of(document, candidate, n, wanted=1e-6, scene="smooth"):
+    """Returns a row of a comparison, to be changed there."""
+    row = {"candidate": candidate, "n": n, "wanted": wanted, "scene": scene}
+    return next(each for each in document["comparisons"] if row.items() <= each.items())
 
 
 def slower(row, factor):
@@ -108,10 +108,10 @@ class Files(AccuracyTest):
 
         one_size = small_study()
         self.assertEqual(drawn(one_size), {"error_against_time", "time_against_n"})
-        one_size["duels"] = [row for row in one_size["duels"] if row["wanted"] != 1e-6]
+        one_size["comparisons"] = [row for row in one_size["comparisons"] if row["wanted"] != 1e-6]
         self.assertEqual(drawn(one_size), {"error_against_time"})
         none = small_study()
-        none["duels"] = []
+        none["comparisons"] = []
         for table in ("runs", "lines"):
             none[table] = [row for row in none[table] if row["integrator"] == "group1"]
         self.assertEqual(drawn(none), set())
@@ -140,15 +140,15 @@ class ErrorAgainstTime(AccuracyTest):
         told = ("What structure costs: at n = 65 and error 1e-6 elp4, with bounded energy, takes {}as long as rk4, the"
                 " best explicit method; group2 (order 4), the best Gauss method, 40 times as long")
         self.assertEqual(title(), told.format("20 times "))
-        slower(duel_of(document, "elp_bounded", 65), 3)
+        slower(comparison_of(document, "elp_bounded", 65), 3)
         self.assertEqual(title(), told.format("60 times "))
-        slower(duel_of(document, "elp_bounded", 17), 3)  # of no panel that the title tells of
+        slower(comparison_of(document, "elp_bounded", 17), 3)  # of no panel that the title tells of
         self.assertEqual(title(), told.format("60 times "))
-        slower(duel_of(document, "elp_bounded", 65), 1 / 60)
+        slower(comparison_of(document, "elp_bounded", 65), 1 / 60)
         self.assertEqual(title(), told.format(""))
-        document["duels"].remove(duel_of(document, "elp_bounded", 65))
+        document["comparisons"].remove(comparison_of(document, "elp_bounded", 65))
         self.assertIn("group2 (order 4), the best Gauss method, takes 40 times as long as rk4", title())
-        document["duels"] = [row for row in document["duels"] if row["contender"] != "explicit"]
+        document["comparisons"] = [row for row in document["comparisons"] if row["candidate"] != "explicit"]
         self.assertEqual(title(), "What structure costs: CPU seconds of errors")
 
 
@@ -161,10 +161,10 @@ class TimeAgainstN(AccuracyTest):
         first = "In {} of 2 cases no class is faster than the best explicit method; exponential methods with bounded"
         self.assertEqual(title(), first.format(2) + " energy take 20 times its time; Gauss methods take 40 times its"
                          " time")
-        slower(duel_of(document, "explicit", 33), 80)
+        slower(comparison_of(document, "explicit", 33), 80)
         self.assertEqual(title(), first.format(1) + " energy take 0.25 to 20 times its time; Gauss methods take 0.5 to"
                          " 40 times its time")
-        document["duels"] = [row for row in document["duels"] if row["contender"] == "gauss"]
+        document["comparisons"] = [row for row in document["comparisons"] if row["candidate"] == "gauss"]
         self.assertIsNone(self.module("studies.accuracy.equal_error_charts").time_against_n(accuracy_of(document)))
 
 

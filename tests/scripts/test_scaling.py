@@ -11,7 +11,7 @@ from scaling_documents import failed, point, write_scaling, write_tables
 
 from lib.pages.figures import read_figures
 from lib.records.formats import listed
-from studies.scaling.schema import RUNGS, Rate, TwoThreads, read_scaling, rungs_of, without
+from studies.scaling.schema import ABLATIONS, Rate, TwoThreads, read_scaling, ablations_of, without
 
 RENDERING = RENDER, "scaling"
 
@@ -34,12 +34,12 @@ class ScalingTest(drawing.DrawingTest):
 
 class Report(ScalingTest):
     def test_what_failed_has_no_figures(self):
-        lines = self.report(points=[point(rung="without bands"), failed(rung="fast")])
+        lines = self.report(points=[point(ablation="without bands"), failed(ablation="fast")])
         self.assertIn(["5", "17", "group2", *"––––––"], lines)
         self.assertEqual([key for key in read_figures(self.path("out", "figures.json")) if "n17" in key], [])
 
     def test_every_single_timing_is_marked(self):
-        lines = self.report(points=[point(rung="fast"), point(rung="published", seconds=[3.4e-6]),
+        lines = self.report(points=[point(ablation="fast"), point(ablation="published", seconds=[3.4e-6]),
                                     point("rk4", 17, "fast", seconds=[1e-6])])
         group2, rk4 = (next(cells for cells in lines if cells[1:3] == ["17", name]) for name in ("group2", "rk4"))
         self.assertEqual((group2[6], group2[7]), ("0.00374 ±6.8 %", "1.00¹"))
@@ -88,17 +88,17 @@ class Report(ScalingTest):
                     env=environment(PYTHONPATH=self.path("without"), ISOSYRK_PYTHON=None))
         self.assert_refused(found, "render scaling: no Python with scipy found", "install python3-scipy")
 
-    def test_rungs(self):
-        self.assertEqual(rungs_of(listed("group2")), ("published", "without any", "without newton", "without predictor",
+    def test_ablations(self):
+        self.assertEqual(ablations_of(listed("group2")), ("published", "without any", "without newton", "without predictor",
                                                       "without bands", "fast"))
         # What fast forms no longer do without is read in older files, and not timed again.
-        self.assertEqual({*RUNGS} - {*rungs_of(listed("elp6"))}, {"without single precision"})
-        self.assertEqual(rungs_of(listed("magnus5")), ("published", "without bands", "fast"))
-        self.assertEqual(rungs_of(listed("rkmk4")), ("published", "without any", "without graded series",
+        self.assertEqual({*ABLATIONS} - {*ablations_of(listed("elp6"))}, {"without single precision"})
+        self.assertEqual(ablations_of(listed("magnus5")), ("published", "without bands", "fast"))
+        self.assertEqual(ablations_of(listed("rkmk4")), ("published", "without any", "without graded series",
                                                      "without bands", "fast"))
         for name in ("group5", "elp4_frame", "rk4"):
-            self.assertEqual(rungs_of(listed(name)), ("published", "without bands", "fast"))
-        self.assertEqual(rungs_of(listed("bm2")), ("published",))  # it has no fast form
+            self.assertEqual(ablations_of(listed(name)), ("published", "without bands", "fast"))
+        self.assertEqual(ablations_of(listed("bm2")), ("published",))  # it has no fast form
         self.assertEqual([without(listed(name), "without any") for name in ("group2", "rk4", "magnus4")],
                          [("bands", "predictor", "newton"), ("bands",), ("bands",)])
 

@@ -33,7 +33,7 @@ if HAS_MODULE:
     import isosyrk
     import numpy
     from studies.threads import plan
-    from studies.accuracy import single_runs as accuracy_runs, candidates as contenders, comparisons as duels
+    from studies.accuracy import candidates, comparisons, single_runs as accuracy_runs
     from lib.running import built, initial_states, problems, timed, trials
 
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
@@ -310,7 +310,7 @@ class Scaling(StudyTest):
         return SimpleNamespace(**{"n": None, "quick": False, "no_large": False, "integrator": None, **values})
 
     def point(self, **values):
-        return {"scene": "smooth", "start": 5.0, "n": 17, "integrator": "group2", "rung": "fast", "step": 0.1,
+        return {"scene": "smooth", "start": 5.0, "n": 17, "integrator": "group2", "ablation": "fast", "step": 0.1,
                 "tolerance": 1e-13, "steps": 8, "products": "eigen", **values}
 
     def test_states_are_those_of_the_flow(self):
@@ -348,8 +348,8 @@ class Scaling(StudyTest):
             self.assertEqual(caught.exception.status, NO_ANSWER)
 
     def test_forms_with_a_memory_are_warm_when_the_timed_steps_start(self):
-        for changes, memory in (({}, True), ({"rung": "without bands"}, True), ({"rung": "without predictor"}, True),
-                                ({"rung": "published"}, False), ({"rung": "without any"}, False),
+        for changes, memory in (({}, True), ({"ablation": "without bands"}, True), ({"ablation": "without predictor"}, True),
+                                ({"ablation": "published"}, False), ({"ablation": "without any"}, False),
                                 ({"integrator": "rk4"}, False)):
             point = self.point(**changes)
             with self.subTest(changes=changes):
@@ -366,7 +366,7 @@ class Scaling(StudyTest):
 
     def test_a_step_that_fails_has_no_counts(self):
         W = self.scaling.states_of("smooth", 17, (5.0,))[5.0]
-        self.assertIsNone(self.scaling.count(self.point(rung="published", step=50.0), W))
+        self.assertIsNone(self.scaling.count(self.point(ablation="published", step=50.0), W))
         self.assertEqual(self.scaling.record(self.point(), None, []).seconds, [])
 
     def test_repetitions_begin_at_the_same_state(self):
@@ -392,7 +392,7 @@ class Scaling(StudyTest):
     def test_what_is_timed_at_large_n(self):
         entries = self.plan.entries_asked_for(self.options())
         points = self.plan.points_of(entries, self.plan.SIZES, lambda n: "eigen")
-        found = {n: {(each["integrator"], each["rung"]) for each in points if each["n"] == n}
+        found = {n: {(each["integrator"], each["ablation"]) for each in points if each["n"] == n}
                  for n in self.plan.SIZES}
         self.assertEqual(found[1025], {("group2_frame", "fast"), ("elp4_frame", "fast")})
         self.assertEqual({each["start"] for each in points if each["n"] == 1025}, {5.0})
@@ -403,7 +403,7 @@ class Scaling(StudyTest):
         self.assertEqual({(self.plan.warm_steps(each), self.plan.begin_of(each)) for each in points
                           if each["n"] == 1025}, {(15, 4.625), (6, 4.625)})
         self.assertEqual(self.plan.lines(), ["algebra1_frame", "group2_frame", "elp4_frame", "rk4_frame"])
-        self.assertEqual(found[257], {(name, rung) for name in self.plan.lines() for rung in scaling_table.BASIC})
+        self.assertEqual(found[257], {(name, ablation) for name in self.plan.lines() for ablation in scaling_table.BASIC})
         self.assertEqual({name for name, _ in found[129]}, {entry.name for entry in entries if entry.has_fast_form})
         self.assertEqual({name for name, _ in found[65]}, {entry.name for entry in entries})
         self.assertLess(found[129], found[65])
@@ -429,7 +429,7 @@ def accuracy_of_lines(seconds):
     document["runs"] = [{**run, "integrator": name, "beyond_limit": False,
                          "cpu_seconds": [seconds[name] * run["steps"]]}
                         for name in lines for run in document["runs"] if run["integrator"] == "rk4"]
-    document["tolerance_runs"] = document["duels"] = []
+    document["tolerance_runs"] = document["comparisons"] = []
     return study_documents.accuracy_of(document)
 
 
@@ -441,55 +441,55 @@ class Accuracy(StudyTest):
         from studies.accuracy import plan as accuracy_plan, run as accuracy
         self.accuracy, self.plan = accuracy, accuracy_plan
 
-    def test_how_the_steps_of_a_duel_are_sought(self):
+    def test_how_the_steps_of_a_comparison_are_sought(self):
         # One step less errs by more.
-        job = {**self.PROBLEM._asdict(), "wanted": 1e-6, "contender": "rk4", "integrator": "rk4_frame", "solver": FAST,
+        job = {**self.PROBLEM._asdict(), "wanted": 1e-6, "candidate": "rk4", "integrator": "rk4_frame", "solver": FAST,
                "tolerance": 1e-13, "references": REFERENCES}
-        row = duels.cheapest_steps({**job, "steps": 200})
+        row = comparisons.cheapest_steps({**job, "steps": 200})
         setting = accuracy_runs.Setting(job)
-        fewer = duels.run_of(job, setting, row["steps"] - 1)
+        fewer = comparisons.run_of(job, setting, row["steps"] - 1)
         self.assertGreater(fewer.error, 1e-6)
-        self.assertEqual(duels.cheapest_steps({**job, "steps": row["steps"]}), row)
+        self.assertEqual(comparisons.cheapest_steps({**job, "steps": row["steps"]}), row)
         # Steps that are too few, as they may be at a looser tolerance, become more; none reach an error below rounding.
-        self.assertEqual(duels.cheapest_steps({**job, "steps": row["steps"] // 2}), row)
-        self.assertIsNone(duels.cheapest_steps({**job, "wanted": 1e-17, "steps": 20}))
+        self.assertEqual(comparisons.cheapest_steps({**job, "steps": row["steps"] // 2}), row)
+        self.assertIsNone(comparisons.cheapest_steps({**job, "wanted": 1e-17, "steps": 20}))
         # Work that rises and falls again: the least of all that are tried, not the first that the next does not better.
-        jagged = {**job, "wanted": 1.5e-3, "contender": "gauss_loose", "integrator": "group2_frame", "tolerance": 1e-7,
+        jagged = {**job, "wanted": 1.5e-3, "candidate": "gauss_loose", "integrator": "group2_frame", "tolerance": 1e-7,
                   "steps": 4}
         setting = accuracy_runs.Setting(jagged)
-        work = {steps: duels.run_of(jagged, setting, steps).equivalent_products for steps in range(4, 7)}
-        self.assertEqual(work[duels.cheapest_steps(jagged)["steps"]], min(work.values()))
+        work = {steps: comparisons.run_of(jagged, setting, steps).equivalent_products for steps in range(4, 7)}
+        self.assertEqual(work[comparisons.cheapest_steps(jagged)["steps"]], min(work.values()))
 
-    def test_no_neighbour_of_the_steps_of_a_duel_is_cheaper_by_two_per_cent(self):
-        for name, contender, tolerance, wanted in (("rk8_frame", "explicit", 1e-13, 1e-6),
+    def test_no_neighbour_of_the_steps_of_a_comparison_is_cheaper_by_two_per_cent(self):
+        for name, candidate, tolerance, wanted in (("rk8_frame", "explicit", 1e-13, 1e-6),
                                                    ("group3_frame", "gauss", 1e-13, 1e-6),
                                                    ("elp6_frame", "elp", 1e-8, 1e-4),
                                                    ("magnus5_frame", "magnus", 1e-8, 1e-6)):
             with self.subTest(integrator=name):
-                job = {**self.PROBLEM._asdict(), "scene": "rough", "wanted": wanted, "contender": contender,
+                job = {**self.PROBLEM._asdict(), "scene": "rough", "wanted": wanted, "candidate": candidate,
                        "integrator": name, "solver": FAST, "tolerance": tolerance, "references": REFERENCES,
                        "steps": 12}
-                row = duels.cheapest_steps(job)
+                row = comparisons.cheapest_steps(job)
                 setting = accuracy_runs.Setting(job)
                 for steps in range(max(1, math.floor(0.8 * row["steps"])), math.ceil(1.1 * row["steps"]) + 1):
-                    run = duels.run_of(job, setting, steps)
-                    if duels.is_reached(wanted, run):
+                    run = comparisons.run_of(job, setting, steps)
+                    if comparisons.is_reached(wanted, run):
                         self.assertGreater(run.equivalent_products, 0.98 * row["equivalent_products"], steps)
 
     def test_the_explicit_method_of_order_8_takes_the_steps_that_others_counted(self):
         # Of DOP853 by another implementation, rough scene.
         for n, steps in ((33, 9), (65, 16), (129, 29)):
-            job = {**Problem("rough", 5.0, n)._asdict(), "wanted": 1e-6, "contender": "explicit", "solver": FAST,
+            job = {**Problem("rough", 5.0, n)._asdict(), "wanted": 1e-6, "candidate": "explicit", "solver": FAST,
                    "integrator": "rk8_frame", "tolerance": 1e-13, "references": REFERENCES, "steps": steps + 2}
-            self.assertEqual(duels.cheapest_steps(job)["steps"], steps)
+            self.assertEqual(comparisons.cheapest_steps(job)["steps"], steps)
 
     def test_steps_beyond_a_linear_limit_are_tried_and_marked(self):
-        job = {**Problem("smooth", 5.0, 129)._asdict(), "wanted": 1e-4, "contender": "rk4", "integrator": "rk4_frame",
+        job = {**Problem("smooth", 5.0, 129)._asdict(), "wanted": 1e-4, "candidate": "rk4", "integrator": "rk4_frame",
                "solver": FAST, "tolerance": 1e-13, "references": REFERENCES}
-        row = duels.cheapest_steps({**job, "steps": 16})
+        row = comparisons.cheapest_steps({**job, "steps": 16})
         self.assertEqual((row["steps"], row["beyond_limit"]), (8, True))
         setting = accuracy_runs.Setting(job)
-        self.assertFalse(duels.run_of(job, setting, 16).beyond_limit)
+        self.assertFalse(comparisons.run_of(job, setting, 16).beyond_limit)
         # A line tells of such runs too, where they are asked for.
         document = study_documents.study_document()
         study_documents.run_of(document, "rk4", 17, 10)["beyond_limit"] = True
@@ -498,15 +498,15 @@ class Accuracy(StudyTest):
         self.assertEqual([found.cost(self.PROBLEM, "rk4", error, beyond=beyond).fine.steps for beyond in (True, False)],
                          [10, 20])
 
-    def test_which_methods_may_stand_in_a_duel(self):
+    def test_which_methods_may_stand_in_a_comparison(self):
         found = accuracy_of_lines({"group2_frame": 4e-3, "group3_frame": 4.5e-3, "group4_frame": 9e-3,
                                    "rk4_frame": 5e-3, "rk8_frame": 2e-3, "bm2_frame": None, "elp2_frame": 1e-6,
                                    "rk8": 1e-6})
 
         def standing(wanted, problem=self.PROBLEM):
-            jobs = duels.jobs_of(found, problem, wanted, REFERENCES)
-            return {contender: [job["integrator"] for job in jobs if job["contender"] == contender]
-                    for contender in dict.fromkeys(job["contender"] for job in jobs)}
+            jobs = comparisons.jobs_of(found, problem, wanted, REFERENCES)
+            return {candidate: [job["integrator"] for job in jobs if job["candidate"] == candidate]
+                    for candidate in dict.fromkeys(job["candidate"] for job in jobs)}
 
         # Those within CLOSE_COST of the least, but none of order 2 or out of the frame.
         usual = {"explicit": ["rk8_frame"], "rk4": ["rk4_frame"], "gauss": ["group2_frame", "group3_frame"],
@@ -517,14 +517,14 @@ class Accuracy(StudyTest):
         # A line of a published form tells nothing of fast ones.
         slow = found._replace(lines={key: [run._replace(solver=PUBLISHED) for run in runs]
                                      for key, runs in found.lines.items()})
-        self.assertEqual(duels.jobs_of(slow, self.PROBLEM, 1e-4, REFERENCES), [])
-        self.assertEqual(duels.wanted_of(Problem("rough", 5.0, 65)), (1e-4, 1e-6, 1e-8))
+        self.assertEqual(comparisons.jobs_of(slow, self.PROBLEM, 1e-4, REFERENCES), [])
+        self.assertEqual(comparisons.wanted_of(Problem("rough", 5.0, 65)), (1e-4, 1e-6, 1e-8))
         for problem in (self.PROBLEM, Problem("rough", 5.0, 129), Problem("developed", 5.0, 17)):
-            self.assertEqual(duels.wanted_of(problem), (1e-4, 1e-6))
+            self.assertEqual(comparisons.wanted_of(problem), (1e-4, 1e-6))
         for problem, wanted, competes in ((Problem("smooth", 5.0, 129), 1e-6, True),
                                           (Problem("smooth", 5.0, 257), 1e-6, False), (self.PROBLEM, 1e-4, False),
                                           (Problem("smooth", 50.0, 17), 1e-6, False)):
-            self.assertEqual(duels.is_published_duel(problem, wanted), competes)
+            self.assertEqual(comparisons.is_published_comparison(problem, wanted), competes)
 
     def test_how_a_line_ends(self):
         job = {**self.PROBLEM._asdict(), "solver": FAST, "references": REFERENCES, "quick": False,
@@ -545,15 +545,15 @@ class Accuracy(StudyTest):
             self.assertEqual(self.plan.end_of([SimpleNamespace(error=error)], uncertainty, 4), ends)
 
     def test_out_of_the_frame_and_in_the_quick_study_less_work_is_enough_and_more_in_long_runs(self):
-        def least(integrator="rk4_frame", time=5.0, quick=False, n=17):
+        def minimum(integrator="rk4_frame", time=5.0, quick=False, n=17):
             """Returns the equivalent products from which a line is cut."""
             return min(products for products in (2.0**k for k in range(60)) if self.plan.took_enough(
                 SimpleNamespace(integrator=integrator, time=time, n=n, equivalent_products=products), quick))
 
-        self.assertLess(least("rk4"), least())
-        self.assertLess(least(quick=True), least())
-        self.assertGreater(least(time=50.0), least())
-        self.assertLess(least(n=129), least(n=65))  # a product is dearer
+        self.assertLess(minimum("rk4"), minimum())
+        self.assertLess(minimum(quick=True), minimum())
+        self.assertGreater(minimum(time=50.0), minimum())
+        self.assertLess(minimum(n=129), minimum(n=65))  # a product is dearer
 
     def test_which_lines_a_problem_has(self):
         every = built.entries(None, frames=True)
@@ -565,7 +565,7 @@ class Accuracy(StudyTest):
             return {*forms} - {*alone}, {*alone}
 
         needed = {Form("algebra1_frame"),
-                  *contenders.all_forms(each for each in every if each.has_fast_form)}
+                  *candidates.all_forms(each for each in every if each.has_fast_form)}
         self.assertEqual(lines(Problem("rough", 5.0, 17)), (needed, set()))
         drawn, none = lines(self.PROBLEM)
         self.assertEqual(drawn - needed, {Form(each.name) for each in every} - needed)

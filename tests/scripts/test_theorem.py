@@ -23,11 +23,11 @@ from lib.running import timed
 from lib.running.checkpoint import Checkpoint
 from studies.theorem import plan as theorem_plan, run as theorem
 from lib.pages.document import Table, as_markdown
-from lib.running.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
+from lib.running.fresh_process import MAX_SWITCHES, MAX_TRIES, Disturbance
 from studies.theorem.plain_forms import dagger, gauss
 from studies.theorem.report import rendered
 from studies.theorem.schema import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed
-from lib.judging.verdicts import FEWEST, MORE, MOST
+from lib.judging.verdicts import FEWEST, MORE, MAXIMUM
 
 RENDERING = RENDER, "theorem"
 ROUNDING = 1e-13  # of one step with entries of about 1, and of its iteration
@@ -117,7 +117,7 @@ class Ends(unittest.TestCase):
 
 # ---- timing by processes
 
-QUIET, BUSY = Disturbance(0.0, 0.0), Disturbance(0.0, 2 * MOST_SWITCHES)
+QUIET, BUSY = Disturbance(0.0, 0.0), Disturbance(0.0, 2 * MAX_SWITCHES)
 
 
 def noisy(ratio, spread, count=FEWEST):
@@ -130,7 +130,7 @@ class FurtherProcesses(unittest.TestCase):
 
     @staticmethod
     def further(**seconds):
-        return theorem.further_processes(MOST, seconds)
+        return theorem.further_processes(MAXIMUM, seconds)
 
     def test_decided_and_undecided(self):
         level, close = noisy(1, 0), noisy(1.05, 0.05)
@@ -236,12 +236,12 @@ class ByProcesses(FolderTest):
 
     def test_one_that_stays_disturbed_is_kept_and_counted_also_after_an_interruption(self):
         for _ in range(2):
-            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MOST_TRIES)
-            self.assertEqual((len(self.runs), context["disturbed_processes"]), (MOST_TRIES + 1, "1 of 2"))
+            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MAX_TRIES)
+            self.assertEqual((len(self.runs), context["disturbed_processes"]), (MAX_TRIES + 1, "1 of 2"))
 
     def test_disturbed_processes_are_counted_over_all_parts_of_a_study(self):
         for _ in range(2):
-            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MOST_TRIES, parts=("one", "two"))
+            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MAX_TRIES, parts=("one", "two"))
             self.assertEqual(context["disturbed_processes"], "1 of 4")
 
     def test_a_process_that_fails_ends_the_study(self):

@@ -1,5 +1,5 @@
-"""Properties of trials, of the search and the timing of duels, and of what studies time, for outcomes that hypothesis
-draws.
+"""Properties of trials, of the search and the timing of comparisons, and of what studies time, for outcomes that
+hypothesis draws.
 
 Run with: python3 -m unittest test_trial_properties (in tests/scripts; the module is that of ISOSYRK_BUILD or build/)
 """
@@ -19,7 +19,7 @@ from properties import SEEDS, decades, holds_for, times_of_rows
 sys.path.insert(0, os.path.join(BUILD, "python"))
 
 import isosyrk  # noqa: F401 (CTest leaves this file out where there is no module)
-from studies.accuracy import comparisons as duels
+from studies.accuracy import comparisons as comparisons
 from lib.running import timed, trials
 from lib.running.checkpoint import Checkpoint
 from lib.judging import verdicts
@@ -96,7 +96,7 @@ def drawn_run(steps, error, usable=True):
     return SimpleNamespace(steps=steps, error=error if usable else None, usable=usable)
 
 
-class Duels(unittest.TestCase):
+class Comparisons(unittest.TestCase):
     @holds_for(order=draw.integers(2, 10), needed=draw.integers(2, 400), first=draw.integers(2, 400), seed=SEEDS)
     def test_the_fewest_steps_that_reach_an_error_are_found(self, order, needed, first, seed):
         noise = random.Random(seed)
@@ -106,53 +106,53 @@ class Duels(unittest.TestCase):
             factors.setdefault(steps, noise.uniform(0.98, 1.0))
             return drawn_run(steps, 1e-6 * (needed / steps) ** order * factors[steps], steps >= needed / 3)
 
-        found = duels.fewest_steps(look, first, 1e-6, order)
+        found = comparisons.fewest_steps(look, first, 1e-6, order)
         if found is None:
             self.assertGreater(needed, first)  # far more than it begins with
-            self.assertGreater(needed, duels.MOST_MORE * first / duels.FURTHER)
+            self.assertGreater(needed, comparisons.MAX_MORE * first / comparisons.FURTHER)
             return
         self.assertLessEqual(found.error, 1e-6)
-        self.assertTrue(needed * 0.98 <= found.steps <= math.ceil(max(needed + 1, duels.CLOSE * needed + 1)))
+        self.assertTrue(needed * 0.98 <= found.steps <= math.ceil(max(needed + 1, comparisons.CLOSE * needed + 1)))
 
     @holds_for(errors=draw.lists(draw.one_of(draw.none(), decades(-9.0, -3.0)), min_size=1, max_size=1))
     def test_a_run_that_misses_the_error_or_fails_does_not_reach_it(self, errors):
         (error,) = errors
-        reached = duels.is_reached(1e-6, drawn_run(9, error, error is not None))
+        reached = comparisons.is_reached(1e-6, drawn_run(9, error, error is not None))
         self.assertEqual(reached, error is not None and error <= 1e-6)
 
     @holds_for(rows=draw.lists(draw.tuples(draw.sampled_from((17, 33)), draw.sampled_from((1e-4, 1e-6)),
                                            draw.sampled_from(("gauss", "rk4")), decades(-3.0, 1.0)), max_size=12))
     def test_of_each_class_the_fastest_stands(self, rows):
-        made = [{**Problem("smooth", 5.0, n)._asdict(), "wanted": wanted, "contender": contender, "place": place}
-                for place, (n, wanted, contender, _) in enumerate(rows)]
-        found = duels.standing(made, [seconds for *_, seconds in rows])
-        keys = [(row["n"], row["wanted"], row["contender"]) for row in found]
+        made = [{**Problem("smooth", 5.0, n)._asdict(), "wanted": wanted, "candidate": candidate, "place": place}
+                for place, (n, wanted, candidate, _) in enumerate(rows)]
+        found = comparisons.standing(made, [seconds for *_, seconds in rows])
+        keys = [(row["n"], row["wanted"], row["candidate"]) for row in found]
         self.assertEqual(len(set(keys)), len(keys))
         self.assertEqual(set(keys), {row[:3] for row in rows})
         for row, key in zip(found, keys):
             self.assertEqual(rows[row["place"]][3], min(row[3] for row in rows if row[:3] == key))
 
-    @holds_for(times=times_of_rows(rows=3, most=14), most=draw.integers(2, 14), done=draw.integers(0, 14))
-    def test_a_row_goes_on_until_it_is_told_from_the_best_explicit_one(self, times, most, done):
+    @holds_for(times=times_of_rows(rows=3, maximum=14), maximum=draw.integers(2, 14), done=draw.integers(0, 14))
+    def test_a_row_goes_on_until_it_is_told_from_the_best_explicit_one(self, times, maximum, done):
         seconds = dict(zip(("explicit", "gauss", "elp"), (row[:done] for row in times)))
         count = len(seconds["explicit"])
-        found = duels.further_processes(most, seconds)
+        found = comparisons.further_processes(maximum, seconds)
         self.assertEqual(found["explicit"], max(found["gauss"], found["elp"]))
         for row in ("gauss", "elp"):
-            self.assertTrue(0 <= found[row] <= max(0, most - count))
+            self.assertTrue(0 <= found[row] <= max(0, maximum - count))
             if count >= verdicts.FEWEST:
                 said = verdicts.compared(seconds["explicit"], seconds[row])
-                self.assertEqual(bool(found[row]), said == verdicts.UNDECIDED and count < min(most, verdicts.MOST))
+                self.assertEqual(bool(found[row]), said == verdicts.UNDECIDED and count < min(maximum, verdicts.MAXIMUM))
         stopped = {**seconds, "explicit": [*seconds["explicit"], 1.0, 1.0]}
-        self.assertEqual(duels.further_processes(most, stopped)["gauss"], 0)  # and does not begin again
+        self.assertEqual(comparisons.further_processes(maximum, stopped)["gauss"], 0)  # and does not begin again
 
     @holds_for(seconds=draw.lists(decades(-4.0, -1.0), min_size=2, max_size=2))
     def test_the_least_repetition_is_the_time_of_a_process(self, seconds):
         block = {"problem": ("smooth", 1.0, 9), "references": None, "process": 0, "rows": ["one"],
                  "runs": {"one": {"steps": 4, "integrator": "rk4", "solver": "fast"}}}
-        with mock.patch.object(duels, "scene_of"), mock.patch.object(duels.isosyrk, "integrator"), \
-                mock.patch.object(duels.timed, "seconds_of", side_effect=seconds):
-            self.assertEqual(duels.time_block(block), [min(seconds)])
+        with mock.patch.object(comparisons, "scene_of"), mock.patch.object(comparisons.isosyrk, "integrator"), \
+                mock.patch.object(comparisons.timed, "seconds_of", side_effect=seconds):
+            self.assertEqual(comparisons.time_block(block), [min(seconds)])
 
 
 class Times(unittest.TestCase):
@@ -167,9 +167,9 @@ class Times(unittest.TestCase):
         found = timed.seconds_of(SimpleNamespace(timed_run=timed_run), None, 0.1, 5, warmup)
         self.assertAlmostEqual(found / seconds, 1)
         self.assertEqual({each for _, each in calls}, {warmup})
-        self.assertEqual(len(calls) > 1, seconds < timed.LEAST_SECONDS)
+        self.assertEqual(len(calls) > 1, seconds < timed.MIN_SECONDS)
         if len(calls) > 1:
-            self.assertGreaterEqual(calls[-1][0] * max(seconds, 1e-6), timed.LEAST_SECONDS * (1 - 1e-9))
+            self.assertGreaterEqual(calls[-1][0] * max(seconds, 1e-6), timed.MIN_SECONDS * (1 - 1e-9))
 
     @holds_for(seconds=draw.lists(decades(-3.0, 1.0), min_size=1, max_size=5), repetitions=draw.integers(1, 5),
                done=draw.integers(0, 10))
@@ -188,8 +188,8 @@ class Times(unittest.TestCase):
             found = timed.interleaved(points, repetitions, time_one, checkpoint, "timings")
             self.assertEqual((on, os.sched_getaffinity(0)), ({max(cores)}, cores))  # and all cores again
             for point, times in zip(points, found):
-                most = next((k for k in range(1, repetitions) if k * seconds[point] >= timed.ENOUGH), repetitions)
-                self.assertEqual(len(times), most)
+                maximum = next((k for k in range(1, repetitions) if k * seconds[point] >= timed.ENOUGH), repetitions)
+                self.assertEqual(len(times), maximum)
             turns = [[point for point in points if len(found[point]) > turn] for turn in range(repetitions)]
             self.assertEqual(run, [point for turn in turns for point in turn])  # all once, then all again
             # What stands in the checkpoint is not timed again.

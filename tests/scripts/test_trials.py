@@ -38,13 +38,13 @@ class Lengths(unittest.TestCase):
                 self.assertGreater(long, short)
                 for steps, time in ((short, trials.TIME), (long, trials.LONGER * trials.TIME)):
                     self.assertGreaterEqual(steps * h, time * (1 - 1e-11))  # the rounding that short_steps forgives
-                self.assertGreaterEqual(short, trials.LEAST_STEPS[explicit])
+                self.assertGreaterEqual(short, trials.MIN_STEPS[explicit])
 
     def test_trials_that_differ_in_time_alone_would_be_one_run_at_long_steps(self):
         """The control: the longer time with the same least number of steps."""
         for explicit, h in ((False, 1.0), (True, 0.125)):
             longer_time = trials.LONGER * trials.TIME
-            self.assertEqual(max(math.ceil(longer_time / h), trials.LEAST_STEPS[explicit]),
+            self.assertEqual(max(math.ceil(longer_time / h), trials.MIN_STEPS[explicit]),
                              trials.short_steps(h, explicit))
 
     def test_both_trials_run_the_steps_they_should(self):

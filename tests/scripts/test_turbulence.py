@@ -1,4 +1,4 @@
-"""Tests of the study of turbulence: its draws and runs, how ensembles are judged, and its report.
+"""Tests of the study of turbulence: its samples and runs, how ensembles are judged, and its report.
 
 Run with: python3 -m unittest test_turbulence (in tests/scripts; the module is that of ISOSYRK_BUILD, or of build/)
 """
@@ -25,14 +25,14 @@ from studies.turbulence import (against_reference, charts as turbulence_chart, j
                                 statistics as turbulence_statistics)
 from lib.pages.document import as_markdown
 from lib.records.formats import CONVERGED, UNSTABLE
-from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
+from studies.turbulence.schema import (FAR, LOOSE, METHOD, BASELINE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
                                        Size, bands_of, read_turbulence)
 from studies.turbulence.statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
 from lib.judging.verdicts import FEWEST
 
 SCRIPT = MEASURE, "turbulence"
 RENDERING = RENDER, "turbulence"
-SHORT = {"n": 17, "draw": 0, "integrator": "group2", "step": 0.25, "tolerance": 1e-10, "time": 48.0}
+SHORT = {"n": 17, "sample": 0, "integrator": "group2", "step": 0.25, "tolerance": 1e-10, "time": 48.0}
 
 
 class Draws(unittest.TestCase):
@@ -54,8 +54,8 @@ class Draws(unittest.TestCase):
     def test_coefficients_have_equal_variance(self):
         """Of a mode with energy e the enstrophy is l(l + 1) e, and the l-th degree has 2l + 1 real coefficients."""
         totals = np.zeros(5)
-        for draw in range(300):
-            energies = problems.energies_by_degree(turbulence_runs.drawn_scene(13, draw).initial)[5:10]
+        for sample in range(300):
+            energies = problems.energies_by_degree(turbulence_runs.drawn_scene(13, sample).initial)[5:10]
             enstrophies = np.array([l * (l + 1) for l in range(6, 11)]) * energies
             totals += enstrophies / enstrophies.sum()
         expected = np.array([2 * l + 1 for l in range(6, 11)]) / 85
@@ -180,33 +180,33 @@ class Runs(unittest.TestCase):
 # ---- how ensembles are judged
 
 
-def made_up(seed, draws, ensembles, quantities=8):
-    """Returns made-up values of right runs, draws × ensembles × quantities.
+def made_up(seed, samples, ensembles, quantities=8):
+    """Returns made-up values of right runs, samples × ensembles × quantities.
 
-    Draws differ by much, runs of a draw by 0.1 to 0.8 with the quantity, and neighbouring quantities share noise.
+    Draws differ by much, runs of a sample by 0.1 to 0.8 with the quantity, and neighbouring quantities share noise.
     """
     rng = np.random.default_rng(seed)
-    noise = rng.standard_normal((draws, ensembles, quantities)) + rng.standard_normal((draws, ensembles, 1))
-    return 3 * rng.standard_normal((draws, 1, quantities)) + 0.1 * np.arange(1, quantities + 1) * noise
+    noise = rng.standard_normal((samples, ensembles, quantities)) + rng.standard_normal((samples, ensembles, 1))
+    return 3 * rng.standard_normal((samples, 1, quantities)) + 0.1 * np.arange(1, quantities + 1) * noise
 
 
 class Faithful(unittest.TestCase):
-    def share(self, draws, ensembles=5, shift=0.0):
+    def share(self, samples, ensembles=5, shift=0.0):
         """Returns the share of 300 ensembles beyond the threshold, each with a reference of its own.
 
         The shift is in standard deviations of a run, of the first quantity alone.
         """
         found = 0
         for seed in range(300):
-            values = made_up(seed, draws, ensembles + 1)
+            values = made_up(seed, samples, ensembles + 1)
             reference = reference_of(values[:, 1:], 300, seed)
             values[:, 0, 0] += shift * 0.1 * math.sqrt(2)
             found += reference.distance(values[:, 0]) > reference.threshold
         return found / 300
 
     def test_a_right_ensemble_is_called_wrong_in_5_of_100_cases(self):
-        for draws, ensembles in ((10, 5), (12, 6), (6, 4)):  # 300 cases: 1.3 % is a standard error
-            self.assertTrue(0.02 <= self.share(draws, ensembles) <= 0.085, (draws, self.share(draws, ensembles)))
+        for samples, ensembles in ((10, 5), (12, 6), (6, 4)):  # 300 cases: 1.3 % is a standard error
+            self.assertTrue(0.02 <= self.share(samples, ensembles) <= 0.085, (samples, self.share(samples, ensembles)))
         self.assertEqual(LEVEL, 0.95)
 
     def test_an_ensemble_with_one_wrong_quantity_is_found(self):
@@ -220,15 +220,15 @@ class Faithful(unittest.TestCase):
         reference = reference_of(values)
         own = values[:, 0] + 1.0
         expected = (own - values.mean(axis=1)).mean(axis=0) / (
-            np.sqrt([np.mean([np.var(draw[:, k], ddof=1) for draw in values]) for k in range(8)]) * math.sqrt(5 / 24))
+            np.sqrt([np.mean([np.var(sample[:, k], ddof=1) for sample in values]) for k in range(8)]) * math.sqrt(5 / 24))
         np.testing.assert_allclose(reference.scores(own), expected)
         self.assertAlmostEqual(reference.distance(own), abs(expected).max())
 
     def test_an_ensemble_that_is_held_out_is_judged_as_a_setting_is(self):
         values, chosen = made_up(2, 5, 4), np.array([[0, 3, 1, 1, 2], [2, 2, 0, 3, 1]])
         for found, each in zip(held_out(values, chosen), chosen):
-            own = np.array([draw[taken] for draw, taken in zip(values, each)])
-            others = np.array([np.delete(draw, taken, axis=0) for draw, taken in zip(values, each)])
+            own = np.array([sample[taken] for sample, taken in zip(values, each)])
+            others = np.array([np.delete(sample, taken, axis=0) for sample, taken in zip(values, each)])
             self.assertAlmostEqual(found, reference_of(others, 10).distance(own), 10)
 
     def test_the_measured_rate_of_false_positives(self):
@@ -274,30 +274,30 @@ class Faithful(unittest.TestCase):
 
 ENTRIES = ("algebra1", "group2", "elp4", "rk4", "rkmk4", "rk8")
 HBAR_OVER_4 = 0.02
-N, DRAWS, NEAR, FURTHER = 33, 8, 6, 4
+N, SAMPLES, NEAR, FURTHER = 33, 8, 6, 4
 
 
-def averages(rng, draw, factor=1.0, drift=0.0):
+def averages(rng, sample, factor=1.0, drift=0.0):
     """Returns the averages of a made-up run: bands by quarters, their energy times `factor`, and decorrelations.
 
     The second band grows by `drift` in all, from quarter to quarter.
     """
-    bands = 0.01 * (1 + 0.1 * draw) * 2.0 ** -np.arange(5) * np.exp(0.05 * rng.standard_normal(5)) * factor
+    bands = 0.01 * (1 + 0.1 * sample) * 2.0 ** -np.arange(5) * np.exp(0.05 * rng.standard_normal(5)) * factor
     quarters = bands * np.exp(0.02 * rng.standard_normal((4, 5)))
     quarters[:, 1] *= np.exp(drift * np.linspace(-0.5, 0.5, 4))
     return {"bands": quarters.tolist(), "decorrelations": (0.8 + 0.05 * rng.standard_normal(2)).tolist()}
 
 
 def rows_of(role, setting, seed, count=1, lost=(), factor=1.0, drift=0.0, **changes):
-    """Returns the runs of a setting, of `count` ensembles; `lost` draws failed."""
+    """Returns the runs of a setting, of `count` ensembles; `lost` samples failed."""
     rng, found = np.random.default_rng((seed, 33)), []
-    for draw in range(DRAWS):
+    for sample in range(SAMPLES):
         for ensemble in range(count):
-            row = RunRow(N, role, *setting, draw, ensemble, CONVERGED, 100.0, 24.0, 1e-3, 1e-9, 1.0, 1.0,
-                         **averages(rng, draw, factor, drift))
-            failed = {"status": UNSTABLE, "time": 40.0 + draw, "energy_error": 0.11, **dict.fromkeys(
+            row = RunRow(N, role, *setting, sample, ensemble, CONVERGED, 100.0, 24.0, 1e-3, 1e-9, 1.0, 1.0,
+                         **averages(rng, sample, factor, drift))
+            failed = {"status": UNSTABLE, "time": 40.0 + sample, "energy_error": 0.11, **dict.fromkeys(
                 ("energy", "enstrophy", "bands", "decorrelations"))}
-            found.append(row._replace(**failed) if draw in lost else row._replace(**changes))
+            found.append(row._replace(**failed) if sample in lost else row._replace(**changes))
     return found
 
 
@@ -309,19 +309,19 @@ def cost(setting, seconds, processes=6):
 def write_turbulence(path, far=None, drift=0.0, **changed):
     """Writes a made-up raw file; `changed` tables are functions of their rows, `far` one of the rows of far runs.
 
-    algebra1, the practice, takes 0.05 s a run, elp4 with h = 1 a fifth of it, with h = 0.5 two fifths; group2 as much
-    as the practice. rk4 with h = 0.5 takes a tenth of it, with a fifth less energy in each band; rkmk4 an eighth, and
+    algebra1, the baseline, takes 0.05 s a run, elp4 with h = 1 a fifth of it, with h = 0.5 two fifths; group2 as much
+    as the baseline. rk4 with h = 0.5 takes a tenth of it, with a fifth less energy in each band; rkmk4 an eighth, and
     its energy is off by 5 % though no band is.
     """
     loose = [Setting("elp4", 0.5, LOOSE), Setting("elp4", 1.0, LOOSE), Setting("group2", 0.5, LOOSE)]
     further = rows_of(FAR, ("rk8", 0.25, 1e-10), 2, FURTHER, drift=drift)
     tables = {
         "integrators": turbulence.built.entries(ENTRIES),
-        "sizes": [Size(n=N, draws=DRAWS, references=NEAR, far=FURTHER, time=100.0, reference_integrator="rk8",
+        "sizes": [Size(n=N, samples=SAMPLES, references=NEAR, far=FURTHER, time=100.0, reference_integrator="rk8",
                        reference_step=0.25, reference_error=1e-9, norm_B=0.24)],
         "runs": rows_of(REFERENCE, ("rk8", 0.25, 1e-10), 1, NEAR, drift=drift)
         + (far(further) if far else further)
-        + rows_of(PRACTICE, ("algebra1", HBAR_OVER_4, LOOSE), 3)
+        + rows_of(BASELINE, ("algebra1", HBAR_OVER_4, LOOSE), 3)
         + [row for seed, setting in enumerate(loose, 4) for row in rows_of(METHOD, setting, seed)]
         + rows_of(METHOD, ("elp4", 0.5, 1e-4), 7)
         + rows_of(METHOD, ("elp4", 2.0, LOOSE), 8, lost=(2, 5))
@@ -363,14 +363,14 @@ class Report(DrawingTest):
 
     def test_costs_and_winners(self):
         found = self.figures()
-        self.assertAlmostEqual(found["n33.practice.seconds"], 0.05)
+        self.assertAlmostEqual(found["n33.baseline.seconds"], 0.05)
         for structure in ("nothing", "spectrum", "poisson"):  # rk4 and rkmk4 are cheaper, and not faithful
-            self.assertAlmostEqual(found[f"n33.cheapest.{structure}.elp4.h1.over_practice"], 0.2)
-            self.assertAlmostEqual(found[f"n33.cheapest.{structure}.elp4.h1.practice_over"], 5)
+            self.assertAlmostEqual(found[f"n33.cheapest.{structure}.elp4.h1.over_baseline"], 0.2)
+            self.assertAlmostEqual(found[f"n33.cheapest.{structure}.elp4.h1.baseline_over"], 5)
             self.assertEqual(found[f"n33.cheapest.{structure}.elp4.h1.products"], 24)
-        self.assertAlmostEqual(found["n33.rk4.h0.5.over_practice"], 0.1)
+        self.assertAlmostEqual(found["n33.rk4.h0.5.over_baseline"], 0.1)
         self.assertEqual((found["n33.cheapest.nothing.ties"], found["n33.cheapest.nothing.undecided"]), (0, 0))
-        self.assertAlmostEqual(found["n33.cheapest_of.elp4.over_practice"], 0.2)
+        self.assertAlmostEqual(found["n33.cheapest_of.elp4.over_baseline"], 0.2)
         self.assertEqual(found["n33.cheapest_of.elp4.step"], 1)
         self.assertNotIn("n33.cheapest_of.rk4.step", found)
 
@@ -385,12 +385,12 @@ class Report(DrawingTest):
             found = self.figures(costs=costs)
             self.assertEqual((found["n33.cheapest.nothing.ties"], found["n33.cheapest.nothing.undecided"]),
                              (ties, undecided))
-            self.assertEqual("n33.cheapest.nothing.tie.group2.h0.5.over_practice" in found, bool(ties))
+            self.assertEqual("n33.cheapest.nothing.tie.group2.h0.5.over_baseline" in found, bool(ties))
 
     def test_what_is_faithful(self):
         found = self.figures()
         self.assertEqual([found[f"n33.{key}.faithful"] for key in (
-            "practice", "elp4.h0.5", "elp4.h0.5.tolerance_1e-4", "elp4.h2", "rkmk4.h1", "rk4.h0.5")],
+            "baseline", "elp4.h0.5", "elp4.h0.5.tolerance_1e-4", "elp4.h2", "rkmk4.h1", "rk4.h0.5")],
             [1, 1, 1, 0, 0, 0])
         # An energy that is off by 5 % is found, though no band tells; so is a spectrum that is off.
         self.assertEqual([found[f"n33.{key}.within_chance"] for key in ("rkmk4.h1", "rk4.h0.5")], [1, 0])
@@ -406,14 +406,14 @@ class Report(DrawingTest):
     def test_one_draw_whose_energy_is_off_is_enough(self):
         for change, faithful in ((0.009, 1), (-0.009, 1), (0.011, 0), (-0.011, 0)):
             def changed(rows, change=change):
-                return [row._replace(energy=1 + change) if (row.integrator, row.step, row.draw) == ("elp4", 1.0, 3)
+                return [row._replace(energy=1 + change) if (row.integrator, row.step, row.sample) == ("elp4", 1.0, 3)
                         else row for row in rows]
 
             self.assertEqual(self.figures(runs=changed)["n33.elp4.h1.faithful"], faithful, change)
 
     def test_independence_and_stationarity(self):
         found = self.figures()
-        self.assertEqual((found["n33.are_independent"], found["n33.stationary"], found["n33.draws"]), (1, 1, DRAWS))
+        self.assertEqual((found["n33.are_independent"], found["n33.stationary"], found["n33.samples"]), (1, 1, SAMPLES))
         self.assertTrue(found["n33.independent_low"] < found["n33.independent"] < found["n33.independent_high"])
         self.assertTrue(0.75 < found["n33.independent"] < 1.35)
         self.assertTrue(found["n33.l3-5.spread_low"] < found["n33.l3-5.spread"] < found["n33.l3-5.spread_high"])
@@ -433,7 +433,7 @@ class Report(DrawingTest):
                     for row in rows]
 
         found, close = self.figures(far=wider), self.figures()
-        self.assertEqual((found["n33.are_independent"], found["n33.practice.faithful"]), (0, 1))
+        self.assertEqual((found["n33.are_independent"], found["n33.baseline.faithful"]), (0, 1))
         self.assertTrue(0.25 < found["n33.independent"] < 0.45)
         for key in ("l1-2", "l4.lag24"):
             self.assertAlmostEqual(found[f"n33.{key}.deviation"] / close[f"n33.{key}.deviation"], 3, 0)
@@ -443,8 +443,8 @@ class Report(DrawingTest):
         self.assertNotIn(note, self.report())
 
     def test_few_draws_judge_nothing(self):
-        few = {"runs": lambda rows: [row for row in rows if row.draw < FEWEST - 1],
-               "sizes": lambda rows: [row._replace(draws=FEWEST - 1) for row in rows]}
+        few = {"runs": lambda rows: [row for row in rows if row.sample < FEWEST - 1],
+               "sizes": lambda rows: [row._replace(samples=FEWEST - 1) for row in rows]}
         found = self.figures(**few)
         self.assertEqual({value for key, value in found.items() if key.endswith(".faithful")}, {0})
         self.assertFalse(any(".cheapest" in key for key in found))
@@ -456,7 +456,7 @@ class Report(DrawingTest):
         report = self.report()
         self.assertNotIn("Nothing is judged", report)
         rows = {tuple(row[:3]): row for row in self.cells(report) if row[0] in ENTRIES}
-        self.assertEqual(rows["elp4", "2", "1e-08"][-1], "no: 2 of 8 draws lost")
+        self.assertEqual(rows["elp4", "2", "1e-08"][-1], "no: 2 of 8 samples lost")
         self.assertEqual(rows["rkmk4", "1", "1e-08"][-1], "no: energy")
         self.assertEqual(rows["rk4", "0.5", "1e-08"][-1], "no: statistics, enstrophy")
         self.assertEqual(rows["algebra1", "0.02", "1e-08"][-1], "**yes**")
@@ -492,19 +492,19 @@ class Report(DrawingTest):
 
 class Plan(unittest.TestCase):
     def test_settings(self):
-        for n, draws, shorter in ((33, 12, 1), (65, 10, 2)):
+        for n, samples, shorter in ((33, 12, 1), (65, 10, 2)):
             plan = turbulence_plan.plan_of(n, False)
             whole = turbulence_plan.settings_of(n, plan, turbulence_plan.STEPS)
             self.assertEqual(len(set(whole)), len(whole))
-            (practice,) = [setting for role, setting in whole if role == PRACTICE]
-            self.assertAlmostEqual(practice.step, 0.5 / math.sqrt(n * (n - 1)))
-            self.assertEqual((plan.draws, plan.time), (draws, 1000.0))
+            (baseline,) = [setting for role, setting in whole if role == BASELINE]
+            self.assertAlmostEqual(baseline.step, 0.5 / math.sqrt(n * (n - 1)))
+            self.assertEqual((plan.samples, plan.time), (samples, 1000.0))
             self.assertIn(Setting("rk8", 1.5 / shorter, LOOSE), [setting for _, setting in whole])
             self.assertIn(Setting("elp4", 1.0 / shorter, 1e-4), [setting for _, setting in whole])
         few = turbulence_plan.settings_of(33, turbulence_plan.plan_of(33, False), ["rk4"])
         self.assertEqual({setting.integrator for _, setting in few}, {"rk4", "algebra1"})
         large = turbulence_plan.plan_of(129, False)
-        self.assertEqual((large.draws, len(turbulence_plan.settings_of(129, large, turbulence_plan.STEPS))), (6, 11))
+        self.assertEqual((large.samples, len(turbulence_plan.settings_of(129, large, turbulence_plan.STEPS))), (6, 11))
         self.assertEqual(turbulence_plan.SIZES, (33, 65))
 
     def test_every_row_is_timed_by_as_many_processes(self):
@@ -541,8 +541,8 @@ class Study(FolderTest):
         plan = {"n": N, "time": 150.0, "tolerance": 1e-8}
 
         def ensemble(integrator, step, **further):
-            return [turbulence_runs.carry_out({**plan, "integrator": integrator, "step": step, "draw": draw, **further})
-                    for draw in range(5)]
+            return [turbulence_runs.carry_out({**plan, "integrator": integrator, "step": step, "sample": sample, **further})
+                    for sample in range(5)]
 
         def values(runs):
             rows = [[RunRow(N, METHOD, "rk4", 1.0, 1e-8, 0, 0, **run)] for run in runs]

@@ -13,7 +13,7 @@ from lib.judging import verdicts
 from lib.records.formats import FORMULATIONS
 from lib.records.table_file import CellKey, Measurement, Run, measurement
 from studies.tables.judge import judged, pairs
-from lib.judging.verdicts import (FAILS, FASTER, FEWEST, HOLDS, LEVEL, MARGIN, MOST, SLOWER, TIE, UNDECIDED,
+from lib.judging.verdicts import (FAILS, FASTER, FEWEST, HOLDS, LEVEL, MARGIN, MAXIMUM, SLOWER, TIE, UNDECIDED,
                                   claim_of_fastest, claim_of_multiple, compared, fastest, further_processes, level_rows,
                                   more_processes, ratio_of, student_t, within)
 
@@ -40,7 +40,7 @@ class Verdicts(unittest.TestCase):
         if found.processes > 1:  # one has no interval
             self.assertAlmostEqual(found.low * inverse.high, 1.0)
 
-    @holds_for(times=times_of_rows(least=FEWEST), pace=PACES, shuffled=draw.randoms(use_true_random=False))
+    @holds_for(times=times_of_rows(minimum=FEWEST), pace=PACES, shuffled=draw.randoms(use_true_random=False))
     def test_neither_the_pace_of_a_process_nor_the_order_of_processes_counts(self, times, pace, shuffled):
         said = compared(*times)
         self.assertEqual(compared([pace * times[0][0], *times[0][1:]], [pace * times[1][0], *times[1][1:]]), said)
@@ -49,23 +49,23 @@ class Verdicts(unittest.TestCase):
         shuffled.shuffle(processes)
         self.assertEqual(compared(*zip(*processes)), said)
 
-    @holds_for(times=times_of_rows(), most=draw.integers(0, FEWEST - 1))
-    def test_few_processes_decide_nothing(self, times, most):
-        if most:
-            self.assertEqual(compared(*(row[:most] for row in times)), UNDECIDED)
+    @holds_for(times=times_of_rows(), maximum=draw.integers(0, FEWEST - 1))
+    def test_few_processes_decide_nothing(self, times, maximum):
+        if maximum:
+            self.assertEqual(compared(*(row[:maximum] for row in times)), UNDECIDED)
 
-    @holds_for(ratio=NEAR_ONE, count=draw.integers(FEWEST, MOST), pace=PACES)
+    @holds_for(ratio=NEAR_ONE, count=draw.integers(FEWEST, MAXIMUM), pace=PACES)
     def test_a_ratio_without_noise_is_decided_by_the_margin(self, ratio, count, pace):
         self.assertEqual(compared([ratio * pace] * count, [pace] * count), exactly(ratio))
 
-    @holds_for(times=times_of_rows(least=FEWEST), examples=150)
+    @holds_for(times=times_of_rows(minimum=FEWEST), examples=150)
     def test_a_verdict_is_that_of_every_ratio_within_the_interval_or_undecided(self, times):
         found = ratio_of(*times)
         self.assertTrue(found.low <= found.ratio * (1 + 1e-12) and found.ratio <= found.high * (1 + 1e-12))
         at_ends = {exactly(found.low), exactly(found.high)}
         self.assertEqual(compared(*times), at_ends.pop() if len(at_ends) == 1 else UNDECIDED)
 
-    @holds_for(times=times_of_rows(least=FEWEST), factor=FACTORS)
+    @holds_for(times=times_of_rows(minimum=FEWEST), factor=FACTORS)
     def test_what_is_slower_stays_so_when_it_gets_slower(self, times, factor):
         row, other = times
         said, later = compared(row, other), compared([factor * each for each in row], other)
@@ -75,7 +75,7 @@ class Verdicts(unittest.TestCase):
         if later == FASTER:
             self.assertEqual(said, FASTER)
 
-    @holds_for(times=times_of_rows(least=2))
+    @holds_for(times=times_of_rows(minimum=2))
     def test_the_interval_is_that_of_student_on_the_logarithms(self, times):
         logarithms = [math.log(each / other) for each, other in zip(*times)]
         found, count = ratio_of(*times), len(logarithms)
@@ -92,10 +92,10 @@ class Verdicts(unittest.TestCase):
     def test_wrong_rules_are_seen(self):  # the controls
         with mock.patch.object(verdicts, "FEWEST", 2):
             self.assertTrue(fails(lambda times: self.assertEqual(compared(*times), UNDECIDED),
-                                  times=times_of_rows(least=2, most=5)))
+                                  times=times_of_rows(minimum=2, maximum=5)))
         one_sided = mock.patch.dict(MIRRORED, {UNDECIDED: TIE})
         with one_sided:
-            self.assertTrue(fails(exchange, times=times_of_rows(least=FEWEST)))
+            self.assertTrue(fails(exchange, times=times_of_rows(minimum=FEWEST)))
 
 
 class Processes(unittest.TestCase):
@@ -108,24 +108,24 @@ class Processes(unittest.TestCase):
             if not more:
                 break
             done += more
-        self.assertTrue(FEWEST <= done <= MOST)
-        self.assertTrue(done == MOST or UNDECIDED not in said)
+        self.assertTrue(FEWEST <= done <= MAXIMUM)
+        self.assertTrue(done == MAXIMUM or UNDECIDED not in said)
 
-    @holds_for(done=draw.integers(0, 20), most=draw.integers(1, 20), undecided=draw.booleans())
-    def test_never_more_than_are_allowed_and_none_once_decided(self, done, most, undecided):
+    @holds_for(done=draw.integers(0, 20), maximum=draw.integers(1, 20), undecided=draw.booleans())
+    def test_never_more_than_are_allowed_and_none_once_decided(self, done, maximum, undecided):
         asked = []
 
         def verdicts_on(seconds):
             asked.append(seconds)
             return [UNDECIDED if undecided else TIE]
 
-        more = further_processes(most, {"row": [1.0] * done, "other": [1.0] * done}, verdicts_on)
-        self.assertTrue(0 <= more <= max(0, most - done))
+        more = further_processes(maximum, {"row": [1.0] * done, "other": [1.0] * done}, verdicts_on)
+        self.assertTrue(0 <= more <= max(0, maximum - done))
         self.assertEqual(bool(asked), done >= FEWEST)
         if done >= FEWEST and not undecided:
             self.assertEqual(more, 0)
         if done < FEWEST:
-            self.assertEqual(done + more, max(done, min(most, FEWEST)))
+            self.assertEqual(done + more, max(done, min(maximum, FEWEST)))
 
 
 def named(times):
@@ -133,7 +133,7 @@ def named(times):
 
 
 class Rows(unittest.TestCase):
-    @holds_for(times=times_of_rows(rows=3, least=FEWEST))
+    @holds_for(times=times_of_rows(rows=3, minimum=FEWEST))
     def test_the_fastest_has_the_least_mean_and_is_level_with_what_ties_with_it(self, times):
         rows = named(times)
         best = fastest(rows)
@@ -147,7 +147,7 @@ class Rows(unittest.TestCase):
             self.assertEqual((row in level, row in undecided), (said == TIE, said == UNDECIDED))
         self.assertEqual(level_rows({best: rows[best]}), (set(), set()))  # no rival
 
-    @holds_for(times=times_of_rows(rows=3, least=1), examples=100)
+    @holds_for(times=times_of_rows(rows=3, minimum=1), examples=100)
     def test_of_claims_to_be_fastest_one_holds_at_most_and_then_all_others_fail(self, times):
         rows = named(times)
         found = {row: claim_of_fastest(row, rows) for row in rows}
@@ -164,7 +164,7 @@ class Rows(unittest.TestCase):
             turned = dict(reversed(rows.items()))  # whatever the order of the rows
             self.assertEqual(claim_of_fastest(row, turned)[0], result)
 
-    @holds_for(times=times_of_rows(rows=3, least=FEWEST), factor=draw.floats(0.7, 1.4), smaller=draw.floats(0.5, 1.0))
+    @holds_for(times=times_of_rows(rows=3, minimum=FEWEST), factor=draw.floats(0.7, 1.4), smaller=draw.floats(0.5, 1.0))
     def test_a_multiple_that_holds_does_so_for_every_smaller_factor(self, times, factor, smaller):
         rows = named(times)
         result, ratio = claim_of_multiple("algebra", factor, rows)
@@ -177,7 +177,7 @@ class Rows(unittest.TestCase):
         few = {row: found[:FEWEST - 1] for row, found in rows.items()}
         self.assertEqual(claim_of_multiple("algebra", factor, few)[0], UNDECIDED)
 
-    @holds_for(times=times_of_rows(rows=3, least=1, most=8),
+    @holds_for(times=times_of_rows(rows=3, minimum=1, maximum=8),
                missing=draw.tuples(*[draw.sets(draw.integers(0, 7), max_size=3)] * 3),
                failed=draw.sampled_from((None, *FORMULATIONS)), examples=50)
     def test_a_block_is_compared_by_the_processes_that_all_its_rows_have(self, times, missing, failed):

@@ -44,9 +44,9 @@ class HowOftenVerdictsAreRight(unittest.TestCase):
             self.assertEqual(found[FASTER], 0)
 
     def test_off_the_margin_verdicts_are_right(self):
-        for ratio, spread, said, least in ((1.02, 0.02, TIE, 0.98), (1.08, 0.02, SLOWER, 0.98),
+        for ratio, spread, said, minimum in ((1.02, 0.02, TIE, 0.98), (1.08, 0.02, SLOWER, 0.98),
                                            (1.12, 0.04, SLOWER, 0.99), (1 / 1.08, 0.02, FASTER, 0.98)):
-            self.assertGreaterEqual(shares(ratio, spread)[said], least, ratio)
+            self.assertGreaterEqual(shares(ratio, spread)[said], minimum, ratio)
 
     def test_repetitions_of_one_process_are_not_independent(self):
         # The control: what one process is given moves all of its seven repetitions alike, by 3 % from process to

@@ -421,7 +421,7 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
     products   of published forms: "openblas", "eigen", or "fastest" of the two as measured here.
     without    of the fast solver, for studies: "predictor" (past steps), "newton", "bands"; of elp2, elp4 and elp6 also
                "explicit_start" and "error_estimates" (acceptance by the estimated error); of these and rkmk4
-               "graded_series" (each ends at the wanted accuracy). A form that does not use an idea ignores its name.
+               "graded_series" (each ends at the wanted accuracy). A form that does not have a part ignores its name.
     Raises ValueError for values out of range, and if there is not enough memory.
     """
     if not isinstance(scene, Scene):

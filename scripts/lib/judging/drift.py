@@ -24,10 +24,10 @@ BLOCKS = 10  # of neighbouring points, of equal numbers
 # A relative error below this is at rounding: a million steps that each err at random by some 1e-15 give it.
 ROUNDING = 1e-12
 LOST = 0.1  # one that reaches this is lost, whatever its power
-# An error grows if the interval of its power lies above LEAST_GROWTH, or that of its drift, the trend of its means with
-# their sign, beyond LEAST_DRIFT on either side: a drift through 0 makes the error fall for a while. It is bounded if it
-# does not grow, and the intervals of trend and drift hold 0 and both are below MOST_TREND.
-LEAST_GROWTH, LEAST_DRIFT, MOST_TREND = 0.1, 1.0, 0.2
+# An error grows if the interval of its power lies above MIN_GROWTH, or that of its drift, the trend of its means with
+# their sign, beyond MIN_DRIFT on either side: a drift through 0 makes the error fall for a while. It is bounded if it
+# does not grow, and the intervals of trend and drift hold 0 and both are below MAX_TREND.
+MIN_GROWTH, MIN_DRIFT, MAX_TREND = 0.1, 1.0, 0.2
 
 KEPT, BOUNDED, GROWS, ALL_LOST, FAILED = "at rounding", "bounded", "growing", "lost", "failed"
 VERDICTS = (KEPT, BOUNDED, GROWS, UNDECIDED, ALL_LOST, FAILED)
@@ -108,7 +108,7 @@ def verdict_on(errors, growth, trend, drift, finished):
         return ALL_LOST
     if max(errors) < ROUNDING:
         return KEPT
-    if growth and growth.low > LEAST_GROWTH or drift and max(drift.low, -drift.high) > LEAST_DRIFT:
+    if growth and growth.low > MIN_GROWTH or drift and max(drift.low, -drift.high) > MIN_DRIFT:
         return GROWS
-    stays = all(each.low <= 0 <= each.high and abs(each.value) < MOST_TREND for each in (trend, drift) if each)
+    stays = all(each.low <= 0 <= each.high and abs(each.value) < MAX_TREND for each in (trend, drift) if each)
     return BOUNDED if trend and stays else UNDECIDED

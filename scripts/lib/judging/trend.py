@@ -10,7 +10,7 @@ import numpy
 import scipy.stats
 
 LEVEL = 0.01  # a trend is one that so small a share of the orders of the rounds would show by chance
-LEAST_CHANGE = 0.01  # of times; what changes less is no matter for a page that prints two or three digits
+MIN_CHANGE = 0.01  # of times; what changes less is no matter for a page that prints two or three digits
 FEWEST_ROUNDS = 6  # 720 orders; of fewer rounds, no order is rare enough
 ORDERS, SEED = 5040, 1  # that are tried at most: all of seven rounds, of more as many that are drawn
 
@@ -26,7 +26,7 @@ class Trend(NamedTuple):
 
     def is_shown(self):
         """Tells whether the times rise or fall with their order by more than chance, and by enough to matter."""
-        return self.probability < LEVEL and abs(self.change) > LEAST_CHANGE
+        return self.probability < LEVEL and abs(self.change) > MIN_CHANGE
 
 
 def trend_of(series):

@@ -1,7 +1,7 @@
 """Verdicts on who is faster, from processes. They are the unit of repetition: what one is given stays for its life.
 
 Memory placement moves the ratio of two rows by some percent from one process to the next, and by a tenth of that within
-one. So each process gives one ratio of two rows that it timed in turns. The figure is the geometric mean of these
+one. So each process gives one ratio of two rows that it timed interleaved. The figure is the geometric mean of these
 ratios, with a 95 % interval by Student's t of their logarithms. Standard library only, as render_table1 is: hence
 Student's t here.
 """
@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 LEVEL = 0.95  # of the interval
 MARGIN = 1.05  # ratios nearer to 1 are a tie
-FEWEST, MOST, MORE = 6, 12, 2  # processes at first and at last, and how many are added while a ratio is undecided
+FEWEST, MAXIMUM, MORE = 6, 12, 2  # processes at first and at last, and how many are added while a ratio is undecided
 
 FASTER, SLOWER, TIE, UNDECIDED = "faster", "slower", "tie", "undecided"
 HOLDS, FAILS = "holds", "fails"
@@ -76,16 +76,16 @@ def more_processes(count, verdicts):
     """Returns how many further processes are wanted after `count` of them, given the verdicts on all pairs."""
     if count < FEWEST:
         return FEWEST - count
-    return min(MORE, MOST - count) if UNDECIDED in verdicts else 0
+    return min(MORE, MAXIMUM - count) if UNDECIDED in verdicts else 0
 
 
-def further_processes(most, seconds, verdicts_on):
+def further_processes(maximum, seconds, verdicts_on):
     """Returns how many further processes rows want, `most` in all at most, given their seconds by process so far.
 
     All rows have as many processes; `verdicts_on(seconds)` returns the verdicts that are to be decided.
     """
     done = len(next(iter(seconds.values())))
-    return max(0, min(most - done, more_processes(done, verdicts_on(seconds) if done >= FEWEST else ())))
+    return max(0, min(maximum - done, more_processes(done, verdicts_on(seconds) if done >= FEWEST else ())))
 
 
 # ---- claims

@@ -75,20 +75,20 @@ class OneLineParser(argparse.ArgumentParser):
         self.exit(BAD_ARGUMENTS, f"{self.prog}: {one_line(message)} (see --help)\n")
 
 
-def whole_number(least, most):
+def whole_number(minimum, maximum):
     """Returns a reader of arguments that must be whole numbers from `least` to `most`."""
     def read(text):
-        if not re.fullmatch(r"[0-9]{1,18}", text) or not least <= int(text) <= most:
-            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} to {most}")
+        if not re.fullmatch(r"[0-9]{1,18}", text) or not minimum <= int(text) <= maximum:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {minimum} to {maximum}")
         return int(text)
     return read
 
 
-def number(least, most):
+def number(minimum, maximum):
     """Returns a reader of arguments that must be decimal numbers from `least` to `most`."""
     def read(text):
         plain = re.fullmatch(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", text)
-        if not plain or not least <= float(text) <= most:
-            raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least:g} to {most:g}")
+        if not plain or not minimum <= float(text) <= maximum:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a number from {minimum:g} to {maximum:g}")
         return float(text)
     return read

@@ -80,9 +80,9 @@ def kind_of(needed, allowed, made=lambda value: value):
     return read
 
 
-def is_number(value, least=0, most=LARGEST):
+def is_number(value, minimum=0, maximum=LARGEST):
     """Tells whether a value is a number within bounds, which NaN is not."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and least <= value <= most
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and minimum <= value <= maximum
 
 
 # Errors, norms, counts and times are finite and never negative.
@@ -97,13 +97,16 @@ text = kind_of("a short text", lambda value: (isinstance(value, str) and one_lin
 an_object = kind_of("an object", lambda value: isinstance(value, dict))
 
 
-def one_of(*allowed):
-    return kind_of(f"one of {', '.join(allowed)}", lambda value: isinstance(value, str) and value in allowed)
+def one_of(*allowed, renamed={}):
+    """Returns the kind of some texts; the keys of `renamed` are what older files call some of them."""
+    return kind_of(f"one of {', '.join(allowed)}",
+                   lambda value: isinstance(value, str) and value in (*allowed, *renamed),
+                   lambda value: renamed.get(value, value))
 
 
-def whole(least=0):
-    return kind_of(f"a whole number from {least} on",
-                   lambda value: isinstance(value, int) and is_number(value, least, 10**15 - 1))
+def whole(minimum=0):
+    return kind_of(f"a whole number from {minimum} on",
+                   lambda value: isinstance(value, int) and is_number(value, minimum, 10**15 - 1))
 
 
 def optional(kind):
@@ -223,6 +226,7 @@ class Schema(NamedTuple):
     settings: type
     tables: Dict[str, type]
     later: Tuple[str, ...] = ()  # tables that older files do not have; they are read as empty, or of LISTED
+    renamed: Dict[str, str] = {}  # names of tables and columns in older files, and what they are called now
 
 
 @dataclass(frozen=True)
@@ -246,9 +250,10 @@ def study_of(document, schema):
     require(document, what, "format", STUDY_FORMAT)
     require(document, what, "study", schema.study)
     parts = checked(document, dict.fromkeys(("context", "settings", "tables"), an_object), "it")
-    older = {name: None for name in schema.later if name not in parts["tables"]}
-    found = checked(parts["tables"], dict.fromkeys(schema.tables.keys() - older, an_object), "tables")
-    tables = {name: records(found[name], record, name) if name in found else []
+    given = {schema.renamed.get(name, name): table for name, table in parts["tables"].items()}
+    older = {name: None for name in schema.later if name not in given}
+    found = checked(given, dict.fromkeys(schema.tables.keys() - older, an_object), "tables")
+    tables = {name: records(found[name], record, name, schema.renamed) if name in found else []
               for name, record in schema.tables.items()}
     if INTEGRATORS in older:
         names = {row.integrator for rows in tables.values() for row in rows if hasattr(row, "integrator")}
@@ -257,10 +262,13 @@ def study_of(document, schema):
                  schema.settings(**checked(parts["settings"], schema.settings.__annotations__, "settings")), tables)
 
 
-def records(found, record, name):
-    """Returns the rows of a table, as records of their class. Throws UnusableFile, also for a row that stands twice."""
+def records(found, record, name, renamed={}):
+    """Returns the rows of a table, as records of their class. Throws UnusableFile, also for a row that stands twice.
+
+    Columns may have the names that older files give them, the keys of `renamed`.
+    """
     kinds, what, made = record.__annotations__, f"the table of {name}", record
-    columns = checked(found, {"columns": list_of(text)}, what)["columns"]
+    columns = [renamed.get(column, column) for column in checked(found, {"columns": list_of(text)}, what)["columns"]]
     if record is Integrator and not {*LATER_FIELDS} & {*columns}:
         kinds = {field: kind for field, kind in kinds.items() if field not in LATER_FIELDS}
         made = older_integrator

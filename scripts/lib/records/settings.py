@@ -30,9 +30,9 @@ class Problem(NamedTuple):
 
 def keeps(integrator, tolerance, structure):
     """Tells whether an Integrator keeps a structure at a tolerance."""
-    most = {"nothing": math.inf, "spectrum": math.inf if integrator.spectrum_at_any_tolerance else TIGHT,
+    maximum = {"nothing": math.inf, "spectrum": math.inf if integrator.spectrum_at_any_tolerance else TIGHT,
             "poisson": ENERGY_BOUNDED}
-    return integrator.keeps(structure) and tolerance <= most[structure]
+    return integrator.keeps(structure) and tolerance <= maximum[structure]
 
 
 def keeping_tolerance(integrator, structure="spectrum"):

@@ -13,12 +13,12 @@ from typing import NamedTuple
 # Share of the time that passed which the host of a virtual machine gave to others, on this core, and how often in a
 # second another program took the core. Quiet machines show less than a third of either, one with a busy neighbour on
 # the same core more than ten times as much.
-MOST_STOLEN, MOST_SWITCHES = 0.02, 30.0
+MAX_STOLEN, MAX_SWITCHES = 0.02, 30.0
 # Starts the command behind the number of the process that starts it and a list of cores. Python's own way, a function
 # between fork and exec, may hang where other threads run. If that process has ended already, no signal will come.
 LAUNCHER = ("setpriv", "--pdeathsig", "KILL", "--", "sh", "-c",
             '[ "$PPID" = "$1" ] || exit 1; shift; exec taskset --cpu-list "$@"', "sh")
-MOST_TRIES = 2  # of one process, since a busy machine may stay busy; the less disturbed is kept then, and that is told
+MAX_TRIES = 2  # of one process, since a busy machine may stay busy; the less disturbed is kept then, and that is told
 
 
 class Disturbance(NamedTuple):
@@ -26,7 +26,7 @@ class Disturbance(NamedTuple):
     switches: float  # involuntary, a second
 
     def __bool__(self):
-        return self.stolen > MOST_STOLEN or self.switches > MOST_SWITCHES
+        return self.stolen > MAX_STOLEN or self.switches > MAX_SWITCHES
 
     def __str__(self):
         return f"{100 * self.stolen:.1f} % of its time was stolen, {self.switches:.0f} involuntary switches a second"
@@ -34,7 +34,7 @@ class Disturbance(NamedTuple):
     @property
     def size(self):
         """The larger of the two, as a multiple of its bound."""
-        return max(self.stolen / MOST_STOLEN, self.switches / MOST_SWITCHES)
+        return max(self.stolen / MAX_STOLEN, self.switches / MAX_SWITCHES)
 
 
 def last_core():
@@ -45,16 +45,16 @@ def last_core():
 def undisturbed(measure, say):
     """Returns what measure() returns, (result, Disturbance), of its first undisturbed call.
 
-    After MOST_TRIES calls it is that of the least disturbed one. `say` gets a line for each call that is repeated.
+    After MAX_TRIES calls it is that of the least disturbed one. `say` gets a line for each call that is repeated.
     """
     tries = []
-    while len(tries) < MOST_TRIES:
+    while len(tries) < MAX_TRIES:
         tries.append(measure())
         disturbance = tries[-1][1]
         if not disturbance:
             return tries[-1]
-        say(f"disturbed ({disturbance}): " + ("measured again" if len(tries) < MOST_TRIES else
-                                              f"the least disturbed of {MOST_TRIES} is kept"))
+        say(f"disturbed ({disturbance}): " + ("measured again" if len(tries) < MAX_TRIES else
+                                              f"the least disturbed of {MAX_TRIES} is kept"))
     return min(tries, key=lambda each: each[1].size)
 
 

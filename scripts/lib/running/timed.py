@@ -16,15 +16,15 @@ from lib.running.program import progress
 
 ENOUGH = 0.6  # CPU seconds of timed work on a point, after which it is repeated no more
 WARM_STEPS = 32  # untimed, of a method with a predictor, which knows 24 past steps at most (core/solver/tuning.h)
-LEAST_SECONDS = 0.01  # that a repetition fills with runs, so that clock and interruptions do not weigh
+MIN_SECONDS = 0.01  # that a repetition fills with runs, so that clock and interruptions do not weigh
 
 
 def seconds_of(method, W, h, steps, warmup=0):
-    """Returns the CPU seconds of a run after `warmup` untimed steps: the mean of as many as fill LEAST_SECONDS."""
+    """Returns the CPU seconds of a run after `warmup` untimed steps: the mean of as many as fill MIN_SECONDS."""
     first = method.timed_run(W, h, steps, repetitions=1, warmup=warmup)[0]
-    if first >= LEAST_SECONDS:
+    if first >= MIN_SECONDS:
         return first
-    repetitions = math.ceil(LEAST_SECONDS / max(first, 1e-6))
+    repetitions = math.ceil(MIN_SECONDS / max(first, 1e-6))
     return statistics.fmean(method.timed_run(W, h, steps, repetitions=repetitions, warmup=warmup))
 
 
@@ -57,7 +57,7 @@ def by_processes(blocks, command, further, checkpoint, what, cores=None, results
     """Returns the CPU seconds of the rows of each block, as dicts from a row to a list with an entry for each process.
 
     A block is an object of JSON whose "rows" are names. `command(block, process)` is a command that times the rows of a
-    block in turns and prints their seconds, a list of JSON; `process` counts from 0. Where it prints other JSON,
+    block interleaved and prints their seconds, a list of JSON; `process` counts from 0. Where it prints other JSON,
     `results(printed, rows)` makes of it the list that is kept, an entry a row, in place of seconds. `further(seconds)`
     returns, given the dict of a block so far, how many further processes each row wants; it is asked again when these
     are done. Every block gets its first process, then every block its second: a slow minute of the machine falls on all
@@ -70,8 +70,8 @@ def by_processes(blocks, command, further, checkpoint, what, cores=None, results
     seconds = [{row: [] for row in block["rows"]} for block in blocks]
     wanted = [further(found) for found in seconds]
     done = process = 0
-    with progress(sum(most(each) for each in wanted), what) as bar:
-        while any(map(most, wanted)):
+    with progress(sum(maximum(each) for each in wanted), what) as bar:
+        while any(map(maximum, wanted)):
             for block, found, each in zip(blocks, seconds, wanted):
                 part = {**block, "rows": [row for row in block["rows"] if each[row] > 0]}
                 if not part["rows"]:
@@ -90,15 +90,15 @@ def by_processes(blocks, command, further, checkpoint, what, cores=None, results
                 done += 1
                 bar.update()
             process += 1
-            wanted = [each if most(each) else further(found) for found, each in zip(seconds, wanted)]
-            bar.total = done + sum(map(most, wanted))
+            wanted = [each if maximum(each) else further(found) for found, each in zip(seconds, wanted)]
+            bar.total = done + sum(map(maximum, wanted))
     named = f"core{'s' if len(cores) > 1 else ''} {', '.join(map(str, sorted(cores)))}"
     disturbed = f"{checkpoint.disturbed} of {checkpoint.processes}"
     checkpoint.context.update({where: named, "disturbed_processes": disturbed})
     return seconds
 
 
-def most(counts):
+def maximum(counts):
     return max(counts.values(), default=0)
 
 

@@ -14,7 +14,7 @@ from lib.records.formats import CONVERGED, LARGEST, NOT_FINITE, UNSTABLE_ENERGY,
 from lib.running import built
 
 TIME = 5.0  # a short trial lasts so long at least,
-LEAST_STEPS = {False: 50, True: 400}  # and takes so many steps at least: implicit methods, explicit ones
+MIN_STEPS = {False: 50, True: 400}  # and takes so many steps at least: implicit methods, explicit ones
 LONGER = 10  # times as many steps has a long trial, which lasts so many times TIME at least
 LOOKS = 20  # at the energy in a trial
 
@@ -97,14 +97,14 @@ class Method:
 
 
 def short_steps(h, explicit):
-    """Returns the number of steps of a short trial: TIME at least, and LEAST_STEPS at least."""
-    return max(math.ceil(TIME / h * (1 - 1e-12)), LEAST_STEPS[explicit])
+    """Returns the number of steps of a short trial: TIME at least, and MIN_STEPS at least."""
+    return max(math.ceil(TIME / h * (1 - 1e-12)), MIN_STEPS[explicit])
 
 
 def long_steps(h, explicit):
     """Returns the number of steps of a long trial: LONGER times those of the short one with the same step size.
 
-    A number that grew with the time alone would leave long steps with LEAST_STEPS in both trials: one and the same run.
+    A number that grew with the time alone would leave long steps with MIN_STEPS in both trials: one and the same run.
     A method fails after some steps, of its iteration or of growing modes, rather than after some time. So the same
     factor in steps tests every step size alike. The time grows by the factor too.
     """

@@ -26,7 +26,7 @@ from lib.programs.places import MODULE, ROOT
 from lib.running.checkpoint import key_of
 from lib.running.program import progress
 
-MOST_LOSSES = 3  # of workers, without a job finished between
+MAX_LOSSES = 3  # of workers, without a job finished between
 LOST = "a worker was lost; its jobs are done again"
 NO_WORKERS = "the Dask scheduler has no workers; waiting for one"
 LOOK_SECONDS = 1.0  # between two looks at which workers there are
@@ -118,7 +118,7 @@ class Cluster:
             losses += lost
             for _ in range(lost):
                 tell(LOST)
-            if losses > MOST_LOSSES:
+            if losses > MAX_LOSSES:
                 raise Stop(f"{what}: a worker was lost {losses} times without a job finished between", NO_ANSWER)
             if lost and not self.scheduler:
                 self.__exit__()

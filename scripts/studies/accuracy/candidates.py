@@ -9,19 +9,19 @@ from typing import Callable, NamedTuple
 from lib.records.formats import FAST, PUBLISHED, Integrator
 from lib.records.integrators import EXPONENTIAL, GAUSS, MAGNUS, NAMED, RKMK, RUNGE_KUTTA, is_fastest_formulation, is_new
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, MATCHED, TIGHT
-from studies.accuracy.schema import CONTENDERS, Form
+from studies.accuracy.schema import CANDIDATES, Form
 
-# Methods of a lower order take ten times the work and more at the errors of duels, so they are not tried.
-LEAST_ORDER = 4
+# Methods of a lower order take ten times the work and more at the errors of comparisons, so they are not tried.
+MIN_ORDER = 4
 LARGEST_PUBLISHED_STAGES = 3  # of Gauss methods in published form: those of Table 1
 REACHED = 10  # an error is reached at a tolerance so many times smaller at least
 
 
-class Contender(NamedTuple):
+class Candidate(NamedTuple):
     """A class of methods."""
 
     label: str  # in tables and charts
-    holds: Callable[[Integrator], bool]  # whether an integrator of LEAST_ORDER or above belongs to it
+    holds: Callable[[Integrator], bool]  # whether an integrator of MIN_ORDER or above belongs to it
     tolerance: float = TIGHT
     line: float = TIGHT  # the tolerance of the lines that tell which methods may stand for it
     # At a tolerance MATCHED times smaller than the error instead, where that is looser or where this one is too loose.
@@ -60,37 +60,37 @@ def is_table1_gauss(integrator):
         integrator.stages <= LARGEST_PUBLISHED_STAGES)
 
 
-CLASSES = dict(zip(CONTENDERS, (
-    Contender("best explicit", lambda each: each.explicit and not each.isospectral, even=True),
-    Contender("RK4", is_rk4, even=True),
-    Contender("projected", lambda each: each.projected, even=True),
-    Contender("RKMK", of_family(RKMK)),
-    Contender("Magnus", of_family(MAGNUS), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
-    Contender("exponential, 1e-8", of_family(EXPONENTIAL), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
-    Contender("exponential, matched", of_family(EXPONENTIAL), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL, matched=True),
-    Contender("exponential, bounded energy", of_family(EXPONENTIAL), ENERGY_BOUNDED, ENERGY_BOUNDED),
-    Contender("Gauss", is_gauss),
-    Contender("Gauss, 1e-7", is_gauss, LOOSE_GAUSS),
-    Contender("Gauss, matched", is_gauss, LOOSE_GAUSS, matched=True),
-    Contender("Gauss, published form", is_table1_gauss, solver=PUBLISHED),
-    Contender("named methods, published form", of_family(*NAMED), solver=PUBLISHED),
-    Contender("other families", is_new))))
+CLASSES = dict(zip(CANDIDATES, (
+    Candidate("best explicit", lambda each: each.explicit and not each.isospectral, even=True),
+    Candidate("RK4", is_rk4, even=True),
+    Candidate("projected", lambda each: each.projected, even=True),
+    Candidate("RKMK", of_family(RKMK)),
+    Candidate("Magnus", of_family(MAGNUS), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
+    Candidate("exponential, 1e-8", of_family(EXPONENTIAL), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
+    Candidate("exponential, matched", of_family(EXPONENTIAL), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL, matched=True),
+    Candidate("exponential, bounded energy", of_family(EXPONENTIAL), ENERGY_BOUNDED, ENERGY_BOUNDED),
+    Candidate("Gauss", is_gauss),
+    Candidate("Gauss, 1e-7", is_gauss, LOOSE_GAUSS),
+    Candidate("Gauss, matched", is_gauss, LOOSE_GAUSS, matched=True),
+    Candidate("Gauss, published form", is_table1_gauss, solver=PUBLISHED),
+    Candidate("named methods, published form", of_family(*NAMED), solver=PUBLISHED),
+    Candidate("other families", is_new))))
 EXPLICIT = "explicit"  # the class that all others are compared with
 
 
-def candidates(integrators, contender, solver=None):
+def candidates(integrators, candidate, solver=None):
     """Returns those of some Integrators that may stand for a class; none where its form is not `solver`, if given."""
-    kind = CLASSES[contender]
+    kind = CLASSES[candidate]
     return [each for each in integrators if solver in (None, kind.solver)
-            and each.co_rotating and each.order >= LEAST_ORDER and kind.holds(each)]
+            and each.co_rotating and each.order >= MIN_ORDER and kind.holds(each)]
 
 
-def forms(integrators, contender):
+def forms(integrators, candidate):
     """Returns the Forms whose lines tell which of some Integrators may stand for a class by its fast form."""
-    return [Form(each.name, CLASSES[contender].line) for each in candidates(integrators, contender, FAST)]
+    return [Form(each.name, CLASSES[candidate].line) for each in candidates(integrators, candidate, FAST)]
 
 
 def all_forms(integrators):
-    """Returns the Forms of the lines that duels need, each once."""
+    """Returns the Forms of the lines that comparisons need, each once."""
     integrators = list(integrators)
-    return list(dict.fromkeys(form for contender in CONTENDERS for form in forms(integrators, contender)))
+    return list(dict.fromkeys(form for candidate in CANDIDATES for form in forms(integrators, candidate)))

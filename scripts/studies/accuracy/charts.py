@@ -53,14 +53,14 @@ def error_against_time(study):
     spans = {problem: span_of([seconds for line in drawn.values() for _, seconds in line])
              for problem, drawn in lines.items()}
     decades = max(high - low for low, high in spans.values()) + 2 * MARGIN
-    most = max(error for drawn in lines.values() for line in drawn.values() for error, _ in line)
+    maximum = max(error for drawn in lines.values() for line in drawn.values() for error, _ in line)
     for axes, (problem, drawn) in zip(panels, lines.items()):
         logarithmic(axes)
         axes.yaxis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=12))
         axes.yaxis.set_minor_formatter(NullFormatter())
         low, high = spans[problem]
         axes.set(title=f"n = {problem.n}", xlabel=ERROR_LABEL, xticks=ERROR_TICKS,
-                 xlim=(10 ** math.ceil(math.log10(most)), GOOD_ENOUGH),
+                 xlim=(10 ** math.ceil(math.log10(maximum)), GOOD_ENOUGH),
                  ylim=[10 ** ((low + high + sign * decades) / 2) for sign in (-1, 1)])
         axes.axvline(TOLD_ERROR, color="0.6", linewidth=0.9, zorder=1, label="_told")
         for form in drawn:
@@ -140,7 +140,7 @@ def draw_form(axes, study, problem, form):
         draw_line(axes, f"{form.integrator} at {form.tolerance:g}", points_of(stretch), **style)
     if study.ends[(problem, *form)] == CUT:
         axes.plot(*points_of(stretches[-1])[-1], **{**CUT_MARK, "color": style["color"], "label": "_cut"})
-    for row in study.duel(problem, TOLD_ERROR).values():
+    for row in study.comparison(problem, TOLD_ERROR).values():
         if (row.integrator, row.solver, row.tolerance) == (form.integrator, FAST, form.tolerance):
             axes.plot(row.error, row.seconds, label="_timed", zorder=6,
                       **{**style, "linestyle": "none", "markerfacecolor": style["color"], "markersize": 7})
@@ -154,10 +154,10 @@ def span_of(values):
 def price_title(study, problems):
     """Returns what structure costs against the best explicit method, at the largest n where both were compared."""
     for problem in reversed(list(problems)):
-        rows = study.duel(problem, TOLD_ERROR)
-        told = [(words, rows[contender], ratio) for words, contender in (("with bounded energy", "elp_bounded"),
+        rows = study.comparison(problem, TOLD_ERROR)
+        told = [(words, rows[candidate], ratio) for words, candidate in (("with bounded energy", "elp_bounded"),
                                                                         ("the best Gauss method", "gauss"))
-                if (ratio := written_ratio(rows, contender, EXPLICIT))]
+                if (ratio := written_ratio(rows, candidate, EXPLICIT))]
         if told:
             (words, row, ratio), *others = told
             best = method_of(study, rows[EXPLICIT])

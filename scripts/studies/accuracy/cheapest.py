@@ -25,8 +25,8 @@ from lib.pages.numbers import MISSING, three_digits
 from studies.accuracy.lines import NEAR_ROUNDING, interpolated
 from studies.accuracy.schema import TABLE_EXPONENTS, Form
 
-MOST_OFFERED = 5  # the answer and its runners-up
-MOST_NAMED = 3  # Forms of unknown cost that a statement names
+MAX_OFFERED = 5  # the answer and its runners-up
+MAX_NAMED = 3  # Forms of unknown cost that a statement names
 
 # The steps offered are for the error over MARGIN, for interpolation along a line. Between recorded n, and away from a
 # recorded time, they are for a smaller one still: at T = 20, the errors of rk4 in the smooth scene at n = 33 are 1.8
@@ -42,7 +42,7 @@ COLD = 2e-4
 # The error grows while a scene develops, up to SETTLED. Then it doubles at most for Gauss methods and compositions. For
 # others it goes on: rkmk4_frame with h = 1, n = 33, has 4, 12 and 36 times that at T = 50 at T = 100, 200 and 400.
 # Methods that lose the spectrum follow no such power over long times, and are not offered.
-SETTLED, POWER, MOST_YOUNG, MOST_OLD = 50.0, 2.0, 40.0, 2.0
+SETTLED, POWER, MAX_YOUNG, MAX_OLD = 50.0, 2.0, 40.0, 2.0
 # Exponential Lie–Poisson methods in these scenes, h = 0.5 and 1. From T = 50 to 400, the error grows 4 to 9 times for
 # elp4 and 4 to 23 times for elp6. It runs ahead of the square of time by a factor of 2.4 at most (elp6, smooth, n = 65,
 # T = 79). Before, it follows no power: in the smooth scene 8 to 16 times from T = 40 to 80 for elp4, 17 to 34 for elp6.
@@ -81,7 +81,7 @@ class Outcome:
     tolerance: float = TIGHT
     status: str = "expected"
     growth: Optional[float] = None  # power of time with which the error of a trajectory grew in its second half
-    kept: Optional[float] = None  # the error of energy and spectrum, the larger one, of a pilot that keeps the spectrum
+    kept: Optional[float] = None  # the error of energy and spectrum, the larger one, of a trial that keeps the spectrum
     evidence: Sequence["Outcome"] = ()  # for an expected run: the runs made that it follows from
 
     @property
@@ -154,7 +154,7 @@ def energy_growth(integrator, known, time):
     if is_exponential:
         return EXPONENTIAL_OLD * old ** POWER
     young = max(1.0, min(time, SETTLED) / min(known, SETTLED)) ** POWER
-    return min(MOST_YOUNG, young) * min(MOST_OLD, old) if integrator.lie_poisson else young * old ** POWER
+    return min(MAX_YOUNG, young) * min(MAX_OLD, old) if integrator.lie_poisson else young * old ** POWER
 
 
 # ---- recorded problems
@@ -264,11 +264,11 @@ class Recorded:
         A step that worked at the n of the question, to its time or longer, needs no limit that another run had.
         """
         told = problem.n == self.question.n and problem.time >= self.question.time
-        most = (None if told or not self.limits
+        maximum = (None if told or not self.limits
                 else self.limits.survived_around(FAST, problem.scene, problem.n, form.integrator))
 
         def is_within(run):
-            return run.usable and not run.beyond_limit and (most is None or run.h_norm_B <= most)
+            return run.usable and not run.beyond_limit and (maximum is None or run.h_norm_B <= maximum)
 
         runs = itertools.dropwhile(lambda run: not is_within(run), reversed(self.judged.line(problem, *form)))
         return list(itertools.takewhile(is_within, runs))
@@ -318,11 +318,11 @@ class Recorded:
         best, error = self.ranking()[0], self.question.error / self.margin
         seconds = [cost.seconds for cost in self.costs(Form(best.integrator.name, best.tolerance))]
         names = [named(*form) for form in self.lines if self.offer(form) is None and any(
-            self.judged.may_reach(problem, form.integrator, error, most, form.tolerance)
-            for problem, most in zip(self.weights, seconds))]
+            self.judged.may_reach(problem, form.integrator, error, maximum, form.tolerance)
+            for problem, maximum in zip(self.weights, seconds))]
         if not names:
             return []
-        *first, last = names[:MOST_NAMED] + ["others"] * (len(names) > MOST_NAMED)
+        *first, last = names[:MAX_NAMED] + ["others"] * (len(names) > MAX_NAMED)
         if not first:
             return [f"not known whether {last} is cheaper: its recorded line was cut before the error was reached"]
         return [f"not known whether {', '.join(first)} and {last} are cheaper: their recorded lines were cut before the"
@@ -354,13 +354,13 @@ def integrate():
 
 
 def answer_data(search, how, scene_arguments, source, speedup=None, first=""):
-    """Returns the answer for programs, as what JSON can hold: of a question, from recorded runs or from pilots.
+    """Returns the answer for programs, as what JSON can hold: of a question, from recorded runs or from trials.
 
     Throws Stop if nothing reaches the error; `how` says how it was to be reached. `scene_arguments` are those of the
     program `integrate`, and `first` what is to be run before it. `speedup` is that of this machine against the one of
     the seconds, None if not known.
     """
-    question, offers = search.question, search.ranking()[:MOST_OFFERED]
+    question, offers = search.question, search.ranking()[:MAX_OFFERED]
     if not offers or offers[0].error > question.error:
         best = search.nearest()
         found = (f"the best there is has {best.error:.3g}, by {best.name} with h = {best.step:.4g} at n ="

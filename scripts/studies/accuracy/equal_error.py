@@ -1,7 +1,7 @@
 """Compares methods at equal error.
 
 Between lines: the cost of an error is that of the cheapest run with this error or a smaller one, interpolated along the
-line. Nothing is compared with a line that was cut and may have been the cheaper. In duels: the ratio of times by
+line. Nothing is compared with a line that was cut and may have been the cheaper. In comparisons: the ratio of times by
 process, with its verdict (lib/judging/verdicts.py).
 """
 
@@ -16,7 +16,7 @@ from lib.judging.verdicts import FASTER
 from lib.pages.numbers import power
 from studies.accuracy.candidates import CLASSES, EXPLICIT
 from studies.accuracy.lines import compared
-from studies.accuracy.schema import CONTENDERS, Form
+from studies.accuracy.schema import CANDIDATES, Form
 
 FEW = 10  # steps; a run of fewer is marked
 AS_EXPLICIT = (EXPLICIT, "rk4")  # the classes of explicit methods that keep nothing
@@ -28,9 +28,9 @@ HEADLINE = ("smooth", 5.0)  # the scene and time of the headline figures
 HARMLESS = 0.1
 MEAN_OVER = f"1e{MEAN_EXPONENTS[0]} … 1e{MEAN_EXPONENTS[-1]}"
 
-# The classes that duels compare: time of the first over that of the second. Every class but explicit ones is compared
-# with these.
-PAIRS = (*((each, EXPLICIT) for each in CONTENDERS if each != EXPLICIT and CLASSES[each].solver == FAST),
+# The classes that comparisons compare: time of the first over that of the second. Every class but explicit ones is
+# compared with these.
+PAIRS = (*((each, EXPLICIT) for each in CANDIDATES if each != EXPLICIT and CLASSES[each].solver == FAST),
          *((gauss, "elp") for gauss in ("gauss", "gauss_loose", "gauss_matched")),
          *((gauss, "elp_matched") for gauss in ("gauss_loose", "gauss_matched")),
          ("gauss", "elp_bounded"), ("elp_bounded", "elp"), ("elp_matched", "elp"), ("elp", "magnus"), ("elp", "rk4"),
@@ -41,27 +41,28 @@ def headline_problems(study):
     return [problem for problem in study.problems() if (problem.scene, problem.time) == HEADLINE]
 
 
-# ---- duels
+# ---- comparisons
 
 
-def duel_errors(study):
-    """Returns the errors of the duels, the largest first."""
-    return sorted({wanted for _, wanted in study.duels}, reverse=True)
+def comparison_errors(study):
+    """Returns the errors of the comparisons, the largest first."""
+    return sorted({wanted for _, wanted in study.comparisons}, reverse=True)
 
 
-def ratio_in(duel, first, second):
-    """Returns (Ratio, verdict) of the time of a contender over another's in a duel; None where one has no row."""
-    return compared(duel[first], duel[second]) if first in duel and second in duel else None
+def ratio_in(comparison, first, second):
+    """Returns (Ratio, verdict) of the time of a candidate over another's in a comparison; None where one has no row."""
+    return compared(comparison[first], comparison[second]) if first in comparison and second in comparison else None
 
 
-def beaten_by(duel):
+def beaten_by(comparison):
     """Returns the classes that are faster than the best explicit method by the verdict, the fastest first."""
-    return sorted((each for each in duel if each not in AS_EXPLICIT and ratio_in(duel, each, EXPLICIT)[1] == FASTER),
-                  key=lambda each: duel[each].seconds)
+    return sorted((each for each in comparison
+                   if each not in AS_EXPLICIT and ratio_in(comparison, each, EXPLICIT)[1] == FASTER),
+                  key=lambda each: comparison[each].seconds)
 
 
 def is_few(row):
-    """Tells whether a row of a duel takes so few steps that its time is mostly that of starts."""
+    """Tells whether a row of a comparison takes so few steps that its time is mostly that of starts."""
     return row.steps < FEW
 
 
@@ -77,10 +78,10 @@ def cheap_forms(study, problem, error, forms, within, beyond=False):
     costs = [(form, cost) for form in forms
              if (cost := study.cost(problem, form.integrator, error, form.tolerance, beyond))]
     costs.sort(key=lambda each: each[1].seconds)
-    least = costs[0][1].seconds if costs else math.inf
-    if any(study.may_reach(problem, form.integrator, error, least, form.tolerance) for form in forms):
+    minimum = costs[0][1].seconds if costs else math.inf
+    if any(study.may_reach(problem, form.integrator, error, minimum, form.tolerance) for form in forms):
         return []
-    return [(form, cost) for form, cost in costs if cost.seconds <= within * least]
+    return [(form, cost) for form, cost in costs if cost.seconds <= within * minimum]
 
 
 def cheapest(study, problem, error, forms):

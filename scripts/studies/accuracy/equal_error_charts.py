@@ -7,13 +7,13 @@ from typing import Dict, NamedTuple
 
 from matplotlib.ticker import NullLocator
 
-from studies.accuracy.schema import CONTENDERS, OTHER
+from studies.accuracy.schema import CANDIDATES, OTHER
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL
 from lib.pages.chart_panels import (FAMILY_COLOURS, FORMULATION_COLOURS, KEEPING, LABEL_SIZE, LINES, LOOSE_LIGHTER,
                                     PROJECTED, draw_line, label_ends, label_sizes, logarithmic, mixed, new_figure, note,
                                     percent, tie_band, unbroken)
 from studies.accuracy.candidates import CLASSES, EXPLICIT
-from studies.accuracy.equal_error import HEADLINE, beaten_by, duel_errors, ratio_in
+from studies.accuracy.equal_error import HEADLINE, beaten_by, comparison_errors, ratio_in
 from lib.records.formats import FAST
 from lib.records.integrators import EXPONENTIAL, MAGNUS, RUNGE_KUTTA
 from lib.pages.numbers import power, span
@@ -41,9 +41,9 @@ TOLERANCES = (f"Exponential methods keep their energy bounded at the tolerance {
               f" drift at {power(LOOSE_EXPONENTIAL)}.")
 
 
-def name_of(contender):
+def name_of(candidate):
     """Returns what charts call a class: the one of a single method as that method."""
-    return "rk4" if contender == "rk4" else CLASSES[contender].label
+    return "rk4" if candidate == "rk4" else CLASSES[candidate].label
 
 
 def write_ratios(axis, low, high):
@@ -100,7 +100,7 @@ def time_against_n(study):
 def ratios_in_scene(study, scene):
     """Returns for each of DRAWN that has rows in a scene to a time its points (n, Ratio or None), n rising."""
     cases = {problem.n: rows for problem in study.problems() if problem[:2] == scene
-             and (rows := study.duel(problem, ERROR)) and EXPLICIT in rows}
+             and (rows := study.comparison(problem, ERROR)) and EXPLICIT in rows}
     found = {each: [(n, over[0] if (over := ratio_in(rows, each, EXPLICIT)) else None) for n, rows in cases.items()]
              for each in DRAWN}
     return {each: points for each, points in found.items() if any(over for _, over in points)}
@@ -116,11 +116,11 @@ def trend_title(study, scenes):
     """Returns in how many of the cases drawn no class is faster than the best explicit method, and how many times as
     long methods with structure take."""
     cases = [rows for problem in study.problems() if problem[:2] in scenes and (
-        rows := study.duel(problem, ERROR)) and EXPLICIT in rows]
+        rows := study.comparison(problem, ERROR)) and EXPLICIT in rows]
     title = (f"In {sum(not beaten_by(rows) for rows in cases)} of {len(cases)} cases no class is faster than the best"
              " explicit method")
-    for words, contender in (("exponential methods with bounded energy", "elp_bounded"), ("Gauss methods", "gauss")):
-        ratios = [found[0].ratio for rows in cases if (found := ratio_in(rows, contender, EXPLICIT))]
+    for words, candidate in (("exponential methods with bounded energy", "elp_bounded"), ("Gauss methods", "gauss")):
+        ratios = [found[0].ratio for rows in cases if (found := ratio_in(rows, candidate, EXPLICIT))]
         title += f"; {words} take {span(ratios)} times its time" if ratios else ""
     return title
 
@@ -138,21 +138,21 @@ class Profile(NamedTuple):
     factors: Dict[str, list]  # by class: its time over that of the cheapest method, rising, of the cases with a row
     cases: int
 
-    def share(self, contender, factor):
+    def share(self, candidate, factor):
         """Returns the share of all cases that a class solves within a factor of the cheapest method's time."""
-        return sum(each <= factor for each in self.factors[contender]) / self.cases
+        return sum(each <= factor for each in self.factors[candidate]) / self.cases
 
 
 def profile_of(study):
     """Returns the Profile of the classes of DRAWN; the cheapest method of a case may be of any class of fast forms."""
     factors = {each: [] for each in DRAWN}
-    for rows in study.duels.values():
-        cheapest = min((rows[each].seconds for each in CONTENDERS if each in rows and CLASSES[each].solver == FAST),
+    for rows in study.comparisons.values():
+        cheapest = min((rows[each].seconds for each in CANDIDATES if each in rows and CLASSES[each].solver == FAST),
                        default=None)
         for each in factors:
             if each in rows:
                 factors[each].append(rows[each].seconds / cheapest)
-    return Profile({each: sorted(found) for each, found in factors.items() if found}, len(study.duels))
+    return Profile({each: sorted(found) for each, found in factors.items() if found}, len(study.comparisons))
 
 
 def performance_profile(study):
@@ -168,22 +168,22 @@ def performance_profile(study):
     labels = {each: key_text(profile, each) for each in order}
     figure, ((axes,),) = new_figure(profile_title(profile), 1, 1, 5.4, keys=3,
                                     labels=["line " + label for label in labels.values()])
-    most = 1.1 * max(found[-1] for found in profile.factors.values())
-    axes.set(xscale="log", xlim=(1, most), ylim=(0, 1.02), xlabel="factor over the time of the cheapest method",
+    maximum = 1.1 * max(found[-1] for found in profile.factors.values())
+    axes.set(xscale="log", xlim=(1, maximum), ylim=(0, 1.02), xlabel="factor over the time of the cheapest method",
              ylabel="share of cases that a class solves within the factor")
     axes.yaxis.set_major_formatter(lambda share, _: percent(share))
     axes.axvspan(1, MARGIN, color="0.9", linewidth=0, zorder=0, label="_tie")
     for each in order:
         found, (colour, style) = profile.factors[each], DRAWN[each]
-        steps = [(factor, profile.share(each, factor)) for factor in (1.0, *found, most)]
+        steps = [(factor, profile.share(each, factor)) for factor in (1.0, *found, maximum)]
         marked = [min(range(len(steps)), key=lambda k, share=share: abs(steps[k][1] - share)) for share in MARKED]
         axes.plot(*zip(*steps), label=labels[each], color=colour, drawstyle="steps-post", clip_on=False,
                   **{**style, "markevery": marked, "markersize": 6})
     axes.xaxis.set_minor_locator(NullLocator())
-    write_ratios(axes.xaxis, 1, most)
+    write_ratios(axes.xaxis, 1, maximum)
     axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), fontsize=LABEL_SIZE, labelspacing=0.9)
-    problems = {problem for problem, _ in study.duels}
-    errors = ", ".join(map(power, duel_errors(study)))
+    problems = {problem for problem, _ in study.comparisons}
+    errors = ", ".join(map(power, comparison_errors(study)))
     note(figure, f"{profile.cases} cases: {len(problems)} problems (scene, T, n), each at those of the errors {errors}"
          " that were compared. A class stands by its best method in each case, fast forms in the co-rotating frame. Its"
          f" line ends below {percent(1)} where it has no row in some case. Grey: a tie with the cheapest,"
@@ -191,10 +191,10 @@ def performance_profile(study):
     return figure
 
 
-def key_text(profile, contender):
+def key_text(profile, candidate):
     """Returns the name of a class with its shares within TOLD_FACTORS."""
-    shares = [f"{percent(profile.share(contender, factor))} within {factor}" for factor in TOLD_FACTORS]
-    return f"{name_of(contender)}:\n{', '.join(shares)}"
+    shares = [f"{percent(profile.share(candidate, factor))} within {factor}" for factor in TOLD_FACTORS]
+    return f"{name_of(candidate)}:\n{', '.join(shares)}"
 
 
 def profile_title(profile):

@@ -15,7 +15,7 @@ from lib.judging.verdicts import FASTER, SLOWER, TIE, UNDECIDED
 from studies.accuracy.candidates import CLASSES, EXPLICIT
 from studies.accuracy.equal_error import (PAIRS, beaten_by, cheapest, frame_gains, gauss_forms, headline_problems,
                                           is_few, ratio_in, runs_at_table1_step, tolerances)
-from studies.accuracy.schema import CONTENDERS, TABLE_EXPONENTS
+from studies.accuracy.schema import CANDIDATES, TABLE_EXPONENTS
 
 # Classes whose spectrum error is told.
 WITH_SPECTRUM = ("explicit", "gauss_loose", "gauss_matched", "elp", "elp_matched")
@@ -38,7 +38,7 @@ class Best(NamedTuple):
     time: positive
     n: whole(2)
     wanted: positive  # the error
-    contender: one_of(*CONTENDERS)  # the class
+    candidate: one_of(*CANDIDATES)  # the class
     integrator: text
     order: whole(1)
     steps: whole(1)
@@ -53,8 +53,8 @@ class Comparison(NamedTuple):
     time: positive
     n: whole(2)
     wanted: positive
-    first: one_of(*CONTENDERS)
-    second: one_of(*CONTENDERS)
+    first: one_of(*CANDIDATES)
+    second: one_of(*CANDIDATES)
     ratio: positive
     verdict: one_of(*SAID)  # on the first
     products_ratio: optional(positive)  # of equivalent products, where both are published forms
@@ -68,7 +68,7 @@ class BestExplicit(NamedTuple):
     n: whole(2)
     wanted: positive
     integrator: text
-    beaten_by: list_of(one_of(*CONTENDERS))  # the fastest first
+    beaten_by: list_of(one_of(*CANDIDATES))  # the fastest first
 
 
 class GaussOrder(NamedTuple):
@@ -78,7 +78,7 @@ class GaussOrder(NamedTuple):
     """
 
     wanted: positive
-    least: whole(1)
+    minimum: whole(1)
     median: finite  # halfway between two orders, or one
     largest: whole(1)
     problems: whole(1)
@@ -134,27 +134,27 @@ def findings(study):
 
 
 def best_of_classes(study):
-    return [Best(*problem, wanted, contender, row.integrator, study.integrators[row.integrator].order, row.steps,
+    return [Best(*problem, wanted, candidate, row.integrator, study.integrators[row.integrator].order, row.steps,
                  row.seconds, row.spectrum_error)
-            for (problem, wanted), duel in study.duels.items() for contender, row in duel.items()]
+            for (problem, wanted), comparison in study.comparisons.items() for candidate, row in comparison.items()]
 
 
 def comparisons(study):
     found = []
-    for (problem, wanted), duel in study.duels.items():
+    for (problem, wanted), comparison in study.comparisons.items():
         for first, second in PAIRS:
-            if result := ratio_in(duel, first, second):
+            if result := ratio_in(comparison, first, second):
                 ratio, said = result
                 products = None
                 if CLASSES[first].solver == CLASSES[second].solver == PUBLISHED:
-                    products = duel[first].equivalent_products / duel[second].equivalent_products
+                    products = comparison[first].equivalent_products / comparison[second].equivalent_products
                 found.append(Comparison(*problem, wanted, first, second, ratio.ratio, said, products))
     return found
 
 
 def best_explicit(study):
-    return [BestExplicit(*problem, wanted, duel[EXPLICIT].integrator, beaten_by(duel))
-            for (problem, wanted), duel in study.duels.items() if EXPLICIT in duel]
+    return [BestExplicit(*problem, wanted, comparison[EXPLICIT].integrator, beaten_by(comparison))
+            for (problem, wanted), comparison in study.comparisons.items() if EXPLICIT in comparison]
 
 
 def gauss_orders(study):
@@ -211,8 +211,8 @@ def best_figures(best):
     """CPU seconds, steps and order of the best of each class, the spectrum error of some; how many take few steps."""
     found = {"rows": len(best), "rows.of_few_steps": sum(map(is_few, best))}
     for each in best:
-        names = ("seconds", "steps", "order") + ("spectrum_error",) * (each.contender in WITH_SPECTRUM)
-        found |= {f"{name.removesuffix('_error')}.{each.contender}.{place_of(each)}": getattr(each, name)
+        names = ("seconds", "steps", "order") + ("spectrum_error",) * (each.candidate in WITH_SPECTRUM)
+        found |= {f"{name.removesuffix('_error')}.{each.candidate}.{place_of(each)}": getattr(each, name)
                   for name in names}
     return found
 
@@ -225,7 +225,7 @@ def comparison_figures(compared):
         found[f"{pair}.{place_of(each)}"] = each.ratio
         if each.products_ratio:
             found[f"{pair}.products.{place_of(each)}"] = each.products_ratio
-        counts.setdefault(pair, Counter(dict.fromkeys(SAID, 0))).update([each.verdict, "duels"])
+        counts.setdefault(pair, Counter(dict.fromkeys(SAID, 0))).update([each.verdict, "comparisons"])
     return found | {f"{pair}.{said}": count for pair, said_of in counts.items() for said, count in said_of.items()}
 
 
@@ -234,14 +234,15 @@ def explicit_figures(best):
     found = Counter()
     for each in best:
         error = at_error(each.wanted)
-        found.update({f"explicit_fastest.{error}": int(not each.beaten_by), f"explicit_fastest.{error}.duels": 1,
+        found.update({f"explicit_fastest.{error}": int(not each.beaten_by), f"explicit_fastest.{error}.comparisons": 1,
                       f"best_explicit.{error}.{each.integrator}": 1})
     return found
 
 
 def order_figures(orders):
-    return {f"gauss_order.{at_error(each.wanted)}.{name}": getattr(each, name) for each in orders
-            for name in ("least", "median", "largest", "problems")}
+    return {f"gauss_order.{at_error(each.wanted)}.{name}": value for each in orders
+            for name, value in (("min", each.minimum), ("median", each.median), ("largest", each.largest),
+                                ("problems", each.problems))}
 
 
 def frame_figures(gains):

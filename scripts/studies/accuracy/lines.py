@@ -10,7 +10,7 @@ from lib.records import formats
 from lib.records.formats import Integrator, keyed
 from lib.records.settings import SCENES, TIGHT, Problem
 from lib.judging.verdicts import ratio_of, verdict
-from studies.accuracy.schema import CUT, SCHEMA, Duel, Form, Rate, Reference, Run
+from studies.accuracy.schema import CUT, SCHEMA, Comparison, Form, Rate, Reference, Run
 
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
@@ -43,7 +43,7 @@ class Accuracy(NamedTuple):
     tolerance_runs: List[Run]
     lines: Dict[tuple, List[Run]]  # by (problem, integrator, tolerance), the longest step first
     ends: Dict[tuple, str]  # of the lines
-    duels: Dict[tuple, Dict[str, Duel]]  # rows by contender, of the duel at (problem, error)
+    comparisons: Dict[tuple, Dict[str, Comparison]]  # rows by candidate, of the comparison at (problem, error)
 
     def problems(self):
         """Returns the problems in the order of SCENES, then of time and n."""
@@ -61,12 +61,12 @@ class Accuracy(NamedTuple):
 
     def above_floor(self, problem, integrator, tolerance=TIGHT):
         """Returns the usable runs of a line down to where its error reaches the floor."""
-        least = FLOOR_MARGIN * self.references[problem].uncertainty
+        minimum = FLOOR_MARGIN * self.references[problem].uncertainty
         kept = []
         for run in self.line(problem, integrator, tolerance):
             if not run.usable:
                 continue
-            if run.error < least:
+            if run.error < minimum:
                 break
             if kept and is_floor(kept[-1], run, self.integrators[integrator].order):
                 break
@@ -108,14 +108,14 @@ class Accuracy(NamedTuple):
         return next((run for run in self.line(problem, integrator, tolerance)
                      if math.isclose(run.step, step, rel_tol=1e-9)), None)
 
-    def duel(self, problem, error):
-        """Returns the rows of the duel at an error, by contender; none if there was no duel."""
-        return next((rows for (where, wanted), rows in self.duels.items()
+    def comparison(self, problem, error):
+        """Returns the rows of the comparison at an error, by candidate; none if there was no comparison."""
+        return next((rows for (where, wanted), rows in self.comparisons.items()
                      if where == problem and math.isclose(wanted, error, rel_tol=1e-9)), {})
 
 
 def compared(row, other):
-    """Returns (Ratio, verdict) of the time of a row of a duel over another's, by the processes that timed both."""
+    """Returns (Ratio, verdict) of a row's time in a comparison over another's, by the processes that timed both."""
     both = min(len(row.cpu_seconds), len(other.cpu_seconds))
     found = ratio_of(row.cpu_seconds[:both], other.cpu_seconds[:both])
     return found, verdict(found)
@@ -157,15 +157,15 @@ def accuracy(study):
     """Returns the Accuracy of a Study. Throws UnusableFile for one without problems or integrators."""
     tables = study.tables
     references = {Problem(*key): each for key, each in keyed(tables["references"], "scene", "time", "n").items()}
-    lines, ends, duels = {}, {}, {}
+    lines, ends, comparisons = {}, {}, {}
     for run in sorted(tables["runs"], key=lambda run: run.steps):
         lines.setdefault((run.problem, run.integrator, run.tolerance), []).append(run)
     for each in tables["lines"]:
         ends[Problem(each.scene, each.time, each.n), each.integrator, each.tolerance] = each.end
-    for each in tables["duels"]:
-        duels.setdefault((Problem(each.scene, each.time, each.n), each.wanted), {})[each.contender] = each
+    for each in tables["comparisons"]:
+        comparisons.setdefault((Problem(each.scene, each.time, each.n), each.wanted), {})[each.candidate] = each
     result = Accuracy(study.context, references, keyed(tables["rates"], "n"), keyed(tables["integrators"], "name"),
-                      tables["runs"], tables["tolerance_runs"], lines, ends, duels)
+                      tables["runs"], tables["tolerance_runs"], lines, ends, comparisons)
     if not result.references or not result.integrators:
         raise UnusableFile("has no references or no integrators")
     for problem, name, tolerance in lines:

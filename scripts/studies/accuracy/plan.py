@@ -6,7 +6,7 @@ from lib.records.formats import FAST
 from lib.records.integrators import GAUSS, TABLE1_CELLS, is_fastest_formulation, is_new
 from lib.records.settings import TABLE1_STEP
 from lib.running import built
-from studies.accuracy import candidates as contenders
+from studies.accuracy.candidates import CLASSES, all_forms, members
 from studies.accuracy.judge import told_against_n
 from studies.accuracy.lines import FLOOR_MARGIN, is_floor
 from studies.accuracy.schema import BELOW, FLOOR, GOOD_ENOUGH, Form
@@ -53,15 +53,15 @@ def quick_integrators(listed):
     """Returns all that the quick study has of some Integrators.
 
     These are the cells of Table 1, one of each family that has fast forms, one in the co-rotating frame for each class
-    of duels, and every new one.
+    of comparisons, and every new one.
     """
     families = {}
     for each in listed:
         if each.has_fast_form and not each.co_rotating:
             families.setdefault((each.family, each.projected), []).append(each)
     kept = [nearest(QUICK_ORDER, found) for found in families.values()]
-    for contender in contenders.CLASSES:
-        if found := contenders.candidates(listed, contender, FAST):
+    for candidate in CLASSES:
+        if found := members(listed, candidate, FAST):
             kept.append(nearest(QUICK_ORDER_IN_FRAME, found))
     return [each for each in listed if each.name in TABLE1_CELLS or each in kept or is_new(each)]
 
@@ -83,10 +83,10 @@ def is_main(problem):
 def lines_of(problem, entries, asked):
     """Returns the Forms of the lines of a problem, and those of them that run with Table 1's step alone.
 
-    Those of a class of duels by their fast form have a line on every problem, others on the main problem only, unless
-    they were asked for.
+    Those of a class of comparisons by their fast form have a line on every problem, others on the main problem only,
+    unless they were asked for.
     """
-    forms = contenders.all_forms(entry for entry in entries if entry.has_fast_form)
+    forms = all_forms(entry for entry in entries if entry.has_fast_form)
     forms += [Form(entry.name) for entry in entries if is_order_two(entry)]
     alone, against_n = [], told_against_n(entries)
     for entry in entries if asked or is_main(problem) else ():

@@ -14,12 +14,12 @@ from lib.pages.numbers import MISSING, percentage, power, scientific, span, thre
 from lib.pages.rendering import Rendering
 from studies.accuracy.candidates import CLASSES, EXPLICIT
 from studies.accuracy.cheapest import recommendation_tables
-from studies.accuracy.equal_error import (FEW, MEAN_OVER, beaten_by, duel_errors, frame_gains, headline_problems,
+from studies.accuracy.equal_error import (FEW, MEAN_OVER, beaten_by, comparison_errors, frame_gains, headline_problems,
                                           is_few, means_by_problem, ratio_in, runs_at_table1_step, tolerances,
                                           written_tolerance)
 from studies.accuracy.judge import figures, findings, told_against_n
 from studies.accuracy.lines import FLOOR_MARGIN, read_accuracy
-from studies.accuracy.schema import CONTENDERS, CUT, GOOD_ENOUGH, OTHER
+from studies.accuracy.schema import CANDIDATES, CUT, GOOD_ENOUGH, OTHER
 from studies.limits.schema import read_limits
 from studies.tables.comparison import UNDECIDED_MARK
 
@@ -60,14 +60,14 @@ def accuracy_sections(study, charts, limits=None):
     return [
         Heading("Accuracy against cost", 1),
         *losses(study),
-        Paragraph("Integrators over step sizes on every problem; errors are relative, in the Frobenius norm. Duels give"
-                  " the verdicts. The cost of an error on a line is that of the cheapest run with this error or a"
-                  " smaller one, interpolated between neighbouring runs that worked. A line ends at its floor, below"
+        Paragraph("Integrators over step sizes on every problem; errors are relative, in the Frobenius norm."
+                  " Comparisons give the verdicts. The cost of an error on a line is that of the cheapest run with this"
+                  " error or a smaller one, interpolated between neighbouring runs that worked. A line ends at its floor, below"
                   f" {power(GOOD_ENOUGH)}, or is cut by work; nothing is compared with a cut line that might be the"
                   " cheaper. On lines the first steps of runs of much work are timed, and their time is scaled by"
                   " products."),
         *shown((("performance_profile", f"{PROFILE} {cases_text(study)}."), *CHARTS), charts),
-        *duels_section(study),
+        *comparisons_section(study),
         Heading("Reference solutions"),
         Items([(str(problem), f": {each.integrators[0]} in {each.steps[0]} and {each.integrators[1]} in {each.steps[1]}"
                 f" steps, which differ by {scientific(each.uncertainty)}")
@@ -94,10 +94,10 @@ def cases_text(study):
     """Writes where classes were compared at equal error: scenes and times with their n, and the errors."""
     sizes = {}
     for problem in study.problems():
-        if any(problem == where for where, _ in study.duels):
+        if any(problem == where for where, _ in study.comparisons):
             sizes.setdefault(problem[:2], []).append(problem.n)
     places = [f"{scene} scene, T = {time:g}, n = {span(found, str)}" for (scene, time), found in sizes.items()]
-    return f"{'; '.join(places)}; errors {', '.join(map(power, duel_errors(study)))}"
+    return f"{'; '.join(places)}; errors {', '.join(map(power, comparison_errors(study)))}"
 
 
 def by_size(study, heading, text, rows, entry):
@@ -115,45 +115,46 @@ def by_size(study, heading, text, rows, entry):
     return [Heading(heading), Paragraph(text), *tables] if tables else []
 
 
-# ---- duels
+# ---- comparisons
 
 
 def losses(study):
-    """Says in how many duels of each error no class is faster than the best explicit method, and which is elsewhere."""
+    """Says in how many comparisons no class is faster than the best explicit method, by error, and which elsewhere."""
     items = []
-    for wanted in duel_errors(study):
-        found = [(problem, beaten_by(duel)) for problem, duel in duels_at(study, wanted) if EXPLICIT in duel]
+    for wanted in comparison_errors(study):
+        found = [(problem, beaten_by(comparison)) for problem, comparison in comparisons_at(study, wanted)
+                 if EXPLICIT in comparison]
         others = [f"{problem} ({CLASSES[faster[0]].label})" for problem, faster in found if faster]
-        items.append((f"Error {power(wanted)}", f": in {len(found) - len(others)} of {len(found)} duels no class is"
-                      " faster than the best explicit method, which keeps nothing"
+        items.append((f"Error {power(wanted)}", f": in {len(found) - len(others)} of {len(found)} comparisons no class"
+                      " is faster than the best explicit method, which keeps nothing"
                       + (f". The fastest elsewhere: {'; '.join(others)}." if others else ".")))
     return [Items(items)] if items else []
 
 
-def duels_at(study, wanted):
-    return [(problem, duel) for problem in study.problems() if (duel := study.duel(problem, wanted))]
+def comparisons_at(study, wanted):
+    return [(problem, comparison) for problem in study.problems() if (comparison := study.comparison(problem, wanted))]
 
 
-def duels_section(study):
+def comparisons_section(study):
     """Shows the times and steps of the chief classes, all times over the best explicit method, and every row."""
-    if not study.duels:
+    if not study.comparisons:
         return []
-    times = [table for wanted in duel_errors(study) for table in times_table(study, wanted)]
-    ratios = [table for wanted in duel_errors(study) for table in ratios_table(study, wanted)]
+    times = [table for wanted in comparison_errors(study) for table in times_table(study, wanted)]
+    ratios = [table for wanted in comparison_errors(study) for table in ratios_table(study, wanted)]
     head = (*(Column(head, align="left") for head in ("error", "problem", "class", "method")), *map(Column, (
         "steps", "reached", "spectrum error", "equivalent products", "CPU seconds", "processes")))
-    rows = [[power(wanted), str(problem), CLASSES[each].label, written(duel[each]), steps_text(duel[each]),
-             scientific(duel[each].error), scientific(duel[each].spectrum_error),
-             f"{duel[each].equivalent_products:.0f}", three_digits(duel[each].seconds),
-             str(len(duel[each].cpu_seconds))]
-            for wanted in duel_errors(study) for problem, duel in duels_at(study, wanted)
-            for each in CONTENDERS if each in duel]
+    rows = [[power(wanted), str(problem), CLASSES[each].label, written(comparison[each]), steps_text(comparison[each]),
+             scientific(comparison[each].error), scientific(comparison[each].spectrum_error),
+             f"{comparison[each].equivalent_products:.0f}", three_digits(comparison[each].seconds),
+             str(len(comparison[each].cpu_seconds))]
+            for wanted in comparison_errors(study) for problem, comparison in comparisons_at(study, wanted)
+            for each in CANDIDATES if each in comparison]
     return [
         Heading("CPU time at equal error"),
         Paragraph("CPU seconds and, in brackets, steps, by the method of each class that reaches the error in the least"
-                  " time. Whole runs in the co-rotating frame, in fresh processes, in turns. The steps are those that"
-                  " take least work: no number of steps that was tried, 2 % apart, is cheaper. Bold: the fastest, or"
-                  f" within {100 * (MARGIN - 1):.0f} % of it; †: undecided. {FEW_MARK}: fewer than {FEW} steps, whose"
+                  " time. Whole runs in the co-rotating frame, in fresh processes, interleaved. The steps are those"
+                  " that take least work: no number of steps that was tried, 2 % apart, is cheaper. Bold: the fastest,"
+                  f" or within {100 * (MARGIN - 1):.0f} % of it; †: undecided. {FEW_MARK}: fewer than {FEW} steps, whose"
                   f" time is that of starts. {BEYOND_MARK}: steps beyond the linear limit, which a long run does not"
                   " survive. Exponential methods are shown at the tolerance"
                   f" {power(ENERGY_BOUNDED)}, at which their energy is bounded, and at {power(LOOSE_EXPONENTIAL)}, at"
@@ -165,7 +166,7 @@ def duels_section(study):
                   f" of a bound of the tie within {100 * (MARGIN - 1):.0f} %, or from fewer than {FEWEST} processes."
                   f" Matched: at a tolerance {MATCHED} times smaller than the error."),
         *ratios, *published_section(study),
-        Heading("All rows of the duels"),
+        Heading("All rows of the comparisons"),
         Paragraph("An error is reached by a whole number of steps and may be smaller than asked for."),
         plain_table(head, rows)]
 
@@ -178,12 +179,12 @@ def steps_text(row):
 def times_table(study, wanted):
     """Returns a heading and the table of seconds and steps of the chief classes at an error."""
     rows = []
-    for problem, duel in duels_at(study, wanted):
-        chief = {each: duel[each].cpu_seconds for each in CHIEF if each in duel}
+    for problem, comparison in comparisons_at(study, wanted):
+        chief = {each: comparison[each].cpu_seconds for each in CHIEF if each in comparison}
         common = min(map(len, chief.values()), default=0)  # processes
         level, undecided = level_rows({each: times[:common] for each, times in chief.items()})
-        found = {each: f"{three_digits(duel[each].seconds)} ({steps_text(duel[each])})" for each in CHIEF
-                 if each in duel}
+        found = {each: f"{three_digits(comparison[each].seconds)} ({steps_text(comparison[each])})" for each in CHIEF
+                 if each in comparison}
         rows.append([Entry(str(problem)), *(Entry(
             found.get(each, MISSING) + UNDECIDED_MARK * (each in undecided), each in level) for each in CHIEF)])
     columns = (Column("problem", align="left"), *(Column(CLASSES[each].label) for each in CHIEF))
@@ -192,17 +193,17 @@ def times_table(study, wanted):
 
 def ratios_table(study, wanted):
     """Returns a heading and the table of the times of all classes over that of the best explicit method at an error."""
-    new = any(OTHER in duel for duel in study.duels.values())
-    others = [each for each in CONTENDERS if each != EXPLICIT and (each != OTHER or new)]
-    rows = [[str(problem), *(over_explicit(duel, each) for each in others)]
-            for problem, duel in duels_at(study, wanted)]
+    new = any(OTHER in comparison for comparison in study.comparisons.values())
+    others = [each for each in CANDIDATES if each != EXPLICIT and (each != OTHER or new)]
+    rows = [[str(problem), *(over_explicit(comparison, each) for each in others)]
+            for problem, comparison in comparisons_at(study, wanted)]
     columns = (Column("problem", align="left"), *(Column(CLASSES[each].label) for each in others))
     return [Heading(f"Error {power(wanted)}", 3), plain_table(columns, rows)] if rows else []
 
 
-def over_explicit(duel, contender):
+def over_explicit(comparison, candidate):
     """Writes the time of a class over that of the best explicit method."""
-    found = ratio_in(duel, contender, EXPLICIT)
+    found = ratio_in(comparison, candidate, EXPLICIT)
     return MISSING if found is None else ratio_with_interval(*found)
 
 
@@ -213,13 +214,13 @@ def ratio_with_interval(ratio, said):
 def published_section(study):
     """Shows the methods that the paper named beside its own, both in published form."""
     classes, rows = ("gauss_published", "named_published"), []
-    for wanted in duel_errors(study):
-        for problem, duel in duels_at(study, wanted):
-            if {*classes} <= {*duel}:
-                gauss, named = (duel[each] for each in classes)
+    for wanted in comparison_errors(study):
+        for problem, comparison in comparisons_at(study, wanted):
+            if {*classes} <= {*comparison}:
+                gauss, named = (comparison[each] for each in classes)
                 rows.append([power(wanted), str(problem), *(text for row in (gauss, named) for text in (
                     written(row), steps_text(row), three_digits(row.seconds))),
-                    ratio_with_interval(*ratio_in(duel, *reversed(classes))),
+                    ratio_with_interval(*ratio_in(comparison, *reversed(classes))),
                     f"{named.equivalent_products / gauss.equivalent_products:.2f}"])
     columns = (*(Column(head, align="left") for head in ("error", "problem")), *(
         Column(head, group, "left" if head == "method" else "right") for group in ("Gauss", "named by the paper")

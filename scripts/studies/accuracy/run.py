@@ -3,11 +3,11 @@
 A line is one integrator at one tolerance on one problem: a scene, n and a time. Its runs take more and more steps (as
 many as in Table 1 at least), until the error no longer falls, is below GOOD_ENOUGH, or a run took enough work: then the
 line is cut. Every integrator runs by its fast form if it has one. Lines are those of the methods that may stand for a
-class in a duel (candidates.py), at the tolerances of the classes; the main problem, that of Table 1, has lines of
+class in a comparison (candidates.py), at the tolerances of the classes; the main problem, that of Table 1, has lines of
 the others too, at small n.
 
-First every run is made once and looked at; then all are timed, in turns, so that a slow minute of the machine
-falls on all alike. Then the duels (comparisons.py) follow. Counts and errors of published forms are those of OpenBLAS's
+First every run is made once and looked at; then all are timed, interleaved, so that a slow minute of the machine falls
+on all alike. Then the comparisons (comparisons.py) follow. Counts and errors of published forms are those of OpenBLAS's
 products, times those of the backend that was the faster at the start: counts that followed the clock would differ from
 machine to machine.
 """
@@ -26,14 +26,14 @@ from lib.records.settings import TABLE1_STEP
 from lib.judging import verdicts
 from lib.running import built, problems, program, timed, untimed
 from lib.running.checkpoint import Checkpoint
-from studies.accuracy import comparisons as duels
+from studies.accuracy import comparisons as comparisons
 from studies.accuracy.lines import accuracy
 from studies.accuracy.plan import UNIT, end_of, is_main, lines_of, quick_integrators, steps_of, took_enough
 from studies.accuracy.schema import ALONE, CUT, SCHEMA, Line, Rate, Reference, Run, Settings
 from studies.accuracy.single_runs import Setting, rounded, scene_of, seconds_of_part
 
-REPETITIONS = 1  # timings of each run; duels, from which verdicts come, have processes
-QUICK_PROCESSES = 6  # at most, that time a duel
+REPETITIONS = 1  # timings of each run; comparisons, from which verdicts come, have processes
+QUICK_PROCESSES = 6  # at most, that time a comparison
 
 
 TOLERANCES = tuple(10.0**-exponent for exponent in range(4, 16))
@@ -105,12 +105,12 @@ def parse(arguments):
                         help="what scripts/measure references wrote (default: the recorded ones)")
     parser.add_argument("--repetitions", metavar="K", type=whole_number(1, 1000), default=REPETITIONS,
                         help="timings of each run (default: %(default)s)")
-    parser.add_argument("--processes", metavar="K", type=whole_number(1, 100), help="that time a duel at most; with"
-                        f" fewer than {verdicts.FEWEST} all is undecided (default: {verdicts.MOST}, quick"
-                        f" {QUICK_PROCESSES})")
+    parser.add_argument("--processes", metavar="K", type=whole_number(1, 100),
+                        help=f"that time a comparison at most; with fewer than {verdicts.FEWEST} all is undecided"
+                        f" (default: {verdicts.MAXIMUM}, quick {QUICK_PROCESSES})")
     options = parser.parse_args(arguments)
     if options.processes is None:
-        options.processes = QUICK_PROCESSES if options.quick else verdicts.MOST
+        options.processes = QUICK_PROCESSES if options.quick else verdicts.MAXIMUM
     return options
 
 
@@ -154,9 +154,9 @@ def main(arguments):
     tables = {"references": references, "rates": rates, "integrators": chosen,
               "lines": [Line(**{name: job[name] for name in Line._fields if name in job}, end=line["end"])
                         for job, line in zip(jobs, lines)],
-              "runs": completed(runs), "tolerance_runs": completed(tolerance_runs), "duels": []}
+              "runs": completed(runs), "tolerance_runs": completed(tolerance_runs), "comparisons": []}
     found = accuracy(Study(checkpoint.context, Settings(options.quick), tables))
-    tables["duels"] = duels.duels(found, options, checkpoint)
+    tables["comparisons"] = comparisons.comparisons(found, options, checkpoint)
     formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(options.quick), tables)
     checkpoint.remove()
 
@@ -167,4 +167,4 @@ def reference_row(problem, record):
                      [run["steps"] for run in both])
 
 
-time_block = duels.time_block
+time_block = comparisons.time_block

@@ -1,8 +1,8 @@
 """The raw file of the study of accuracy against cost, and what its lines show: ends, orders, cost at an error.
 
 A problem is a scene at one n, solved to one time. A line is the runs of one integrator, at one tolerance of its
-iteration, on one problem, with more and more steps. A duel is several methods at one error of one problem, timed in
-turns in fresh processes.
+iteration, on one problem, with more and more steps. A comparison is several methods at one error of one problem, timed
+in turns in fresh processes.
 """
 
 import statistics
@@ -20,9 +20,9 @@ TABLE_EXPONENTS = (-2, -4, -6, -8)  # powers of ten, as errors for which tables 
 FLOOR, BELOW, CUT, ALONE = "floor", "below", "cut", "alone"
 GOOD_ENOUGH = 1e-9
 
-# The rows of a duel, each the best method of a class in the co-rotating frame: candidates.py says of which.
+# The rows of a comparison, each the best method of a class in the co-rotating frame: candidates.py says of which.
 OTHER = "other"  # of new integrators
-CONTENDERS = ("explicit", "rk4", "projected", "rkmk", "magnus", "elp", "elp_matched", "elp_bounded", "gauss",
+CANDIDATES = ("explicit", "rk4", "projected", "rkmk", "magnus", "elp", "elp_matched", "elp_bounded", "gauss",
               "gauss_loose", "gauss_matched", "gauss_published", "named_published", OTHER)
 
 
@@ -109,14 +109,14 @@ class Line(NamedTuple):
     end: one_of(FLOOR, BELOW, CUT, ALONE)
 
 
-class Duel(NamedTuple):
-    """A row of a duel: the method that stands for a contender, with the steps that reach the error with least work."""
+class Comparison(NamedTuple):
+    """A row of a comparison: the method that stands for a candidate, with the steps that take least work."""
 
     scene: one_of(*SCENES)
     time: positive
     n: whole(2)
-    wanted: positive  # the error that every row of the duel reaches
-    contender: one_of(*CONTENDERS)
+    wanted: positive  # the error that every row of the comparison reaches
+    candidate: one_of(*CANDIDATES)
     integrator: text
     solver: one_of(*SOLVERS)
     tolerance: positive
@@ -134,4 +134,5 @@ class Duel(NamedTuple):
 
 
 SCHEMA = Schema("accuracy", Settings, {"references": Reference, "rates": Rate, "integrators": Integrator,
-                                       "lines": Line, "runs": Run, "tolerance_runs": Run, "duels": Duel})
+                                       "lines": Line, "runs": Run, "tolerance_runs": Run, "comparisons": Comparison},
+                renamed={"duels": "comparisons", "contender": "candidate"})

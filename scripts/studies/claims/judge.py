@@ -19,7 +19,7 @@ from lib.judging.verdicts import FAILS, FASTER, HOLDS, SLOWER, TIE, UNDECIDED, f
 from lib.pages.document import Column, Entry, Table
 from lib.pages.numbers import MISSING, percentage, power, three_digits
 from studies.claims.parallel_model import PROCESSORS, Rates, path_products, sweep_seconds, work_seconds
-from studies.claims.schema import EQUAL, SWEEPS, THREAD_CODES, WHOLE, draw_runs, octave_run
+from studies.claims.schema import EQUAL, SWEEPS, THREAD_CODES, WHOLE, sample_runs, octave_run
 from studies.tables.judge import CLAIMS, figures_of, judged, sizes
 from studies.theorem.schema import AT_ROUNDING, FOOTNOTE, PARTITIONED
 
@@ -61,14 +61,14 @@ class Row(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """A claim over what the paper left open: all draws of initial modes and both ħ, at one n and s."""
+    """A claim over what the paper left open: all samples of initial modes and both ħ, at one n and s."""
 
     claim: text
     stages: whole(1)
     n: whole(2)
     implementation: one_of(PUBLISHED, FAST)
-    least: number  # ratio
-    most: number
+    minimum: number  # ratio
+    maximum: number
     results: an_object  # how often each came out
 
 
@@ -99,7 +99,7 @@ def finding(each, code):
 def choices(study):
     """Returns the Choices of a study: whether a verdict depends on the initial modes or on ħ."""
     found = {}
-    for (implementation, _, _), run in draw_runs(study).items():
+    for (implementation, _, _), run in sample_runs(study).items():
         for n in sizes(run):
             for each in judged(run, n):
                 found.setdefault((each.claim.label, each.stages, n, implementation), []).append(each)
@@ -124,12 +124,12 @@ NAMED = ("named_published", "gauss_published")  # the methods that the paper nam
 NAMED_SAID = {SLOWER: HOLDS, FASTER: FAILS, TIE: TIE, UNDECIDED: UNDECIDED}
 
 
-def counted(where, counts, least=None, most=None):
+def counted(where, counts, minimum=None, maximum=None):
     """Returns a Finding for each result that came out; `counts` are by result, least and most ratios of them all.
 
     Blocks that could not be judged are counted under None.
     """
-    return [Finding(where, result, None, least, most, counts[result]) for result in (*RESULTS, None)
+    return [Finding(where, result, None, minimum, maximum, counts[result]) for result in (*RESULTS, None)
             if counts.get(result)]
 
 
@@ -183,7 +183,7 @@ def exponentials_rows(accuracy):
     def compared(pair, said):
         found = [each for each in accuracy.comparisons if (each.first, each.second) == pair]
         ratios = [each.ratio for each in found]
-        return counted("duels", Counter(said[each.verdict] for each in found), min(ratios, default=None),
+        return counted("comparisons", Counter(said[each.verdict] for each in found), min(ratios, default=None),
                        max(ratios, default=None))
 
     return [Row("exponentials", "exponential maps make the methods of Bogfjellmo and Marthinsen inefficient", None,
@@ -199,8 +199,8 @@ HIGH_ORDER = "is high order needed"
 def order_rows(turbulence):
     """Returns what turbulence says of order, n by n, from the cheapest faithful settings; `turbulence` may be None.
 
-    The practice (the isospectral midpoint at h = ħ/4) is a setting of order 2 like the others. There is no interval:
-    the cost of a setting is one figure. No order is named where few draws decide.
+    The baseline (the isospectral midpoint at h = ħ/4) is a setting of order 2 like the others. There is no interval:
+    the cost of a setting is one figure. No order is named where few samples decide.
     """
     orders, prices, winners = [], [], []
     for trust in sorted(turbulence.trust if turbulence else (), key=lambda each: each.n):
@@ -213,7 +213,7 @@ def order_rows(turbulence):
             continue
         orders += [order_finding(n, gauss, len(gauss))] if gauss else []
         winners += [order_finding(n, best, 1)] if best else []
-        low, high = ([each.over_practice for each in gauss if (each.order > 2) is is_high] for is_high in (False, True))
+        low, high = ([each.over_baseline for each in gauss if (each.order > 2) is is_high] for is_high in (False, True))
         if low and high:
             prices.append(Finding(f"{AT_N}{n}", None, min(low) / min(high), None, None, 1))
     rows = (("in turbulence, order of the cheapest faithful Gauss method", orders),
@@ -224,23 +224,23 @@ def order_rows(turbulence):
 
 
 def cheapest_settings(turbulence, n):
-    """Returns the cheapest faithful setting of each method at an n, the practice among them; none without a cost."""
+    """Returns the cheapest faithful setting of each method at an n, the baseline among them; none without a cost."""
     found = {}
     for each in turbulence.settings:
-        if each.n == n and each.faithful and each.over_practice:
-            found[each.integrator] = min(found.get(each.integrator, each), each, key=lambda one: one.over_practice)
+        if each.n == n and each.faithful and each.over_baseline:
+            found[each.integrator] = min(found.get(each.integrator, each), each, key=lambda one: one.over_baseline)
     return list(found.values())
 
 
 def order_finding(n, settings, count):
     """Returns the order of the cheapest of some settings as a Finding."""
-    best = min(settings, key=lambda each: each.over_practice)
+    best = min(settings, key=lambda each: each.over_baseline)
     return Finding(f"at n = {n} ({best.integrator})", None, best.order, None, None, count)
 
 
 def predictable_order_row(accuracy):
     """Says which order of Gauss methods is the cheapest, the median over the problems, and its range."""
-    findings = [Finding(f"at {power(each.wanted)}", None, each.median, each.least, each.largest, each.problems)
+    findings = [Finding(f"at {power(each.wanted)}", None, each.median, each.minimum, each.largest, each.problems)
                 for each in accuracy.gauss_order]
     return Row(HIGH_ORDER, "while predictable, order of the cheapest Gauss method, median of the problems", None,
                OF_ACCURACY, {"optimised": findings}, has_orders=True)
@@ -481,9 +481,9 @@ def figures(evidence):
     """Returns the figures that results/README.md may quote, by key.
 
     octave.difference from C++, octave.apart of two formulations in Octave; octave.s3.algebra_over_group.n129 and so on,
-    also of plain_avx2 and optimised_avx2; share.CODE.s3.group.n129, and share.CODE.n129.least and .most;
-    open.a.s1.fast.n17.least, .most and .holds; threads.CODE.n65.s3.t2.others_over_algebra and .FORM.speedup;
-    model.n65.s3.p64.FORM, and model.check.least and .most.
+    also of plain_avx2 and optimised_avx2; share.CODE.s3.group.n129, and share.CODE.n129.min and .max;
+    open.a.s1.fast.n17.min, .max and .holds; threads.CODE.n65.s3.t2.others_over_algebra and .FORM.speedup;
+    model.n65.s3.p64.FORM, and model.check.min and .max.
     """
     study = evidence.study
     found = {name: max(row.difference for row in rows) for name, rows in
@@ -497,10 +497,10 @@ def figures(evidence):
     found |= {f"share.octave.s{stages}.{form}.n{n}": share for (form, n, stages), share
               in product_shares(study).items()}
     found |= {f"share.octave.n{n}.{which}": of(shares) for n, shares in shares_by_size(study).items()
-              for which, of in (("least", min), ("most", max))}
+              for which, of in (("min", min), ("max", max))}
     for each in choices(study):
         key = f"open.{each.claim.strip('()')}.s{each.stages}.{each.implementation}.n{each.n}"
-        found |= {f"{key}.least": each.least, f"{key}.most": each.most, f"{key}.of": sum(each.results.values()),
+        found |= {f"{key}.min": each.minimum, f"{key}.max": each.maximum, f"{key}.of": sum(each.results.values()),
                   **{f"{key}.{result}": count for result, count in each.results.items()}}
     return {**found, **thread_figures(study)}
 
@@ -541,11 +541,11 @@ def thread_figures(study):
             found |= {f"{key}.{form}.speedup": ratio_of(single[form], times[form]).ratio for form in FORMULATIONS}
     for code in THREAD_CODES:
         if ratios := over_algebra.get((code, 2)):
-            found |= {f"threads.{code}.t2.others_over_algebra.least": min(ratios),
-                      f"threads.{code}.t2.others_over_algebra.most": max(ratios)}
+            found |= {f"threads.{code}.t2.others_over_algebra.min": min(ratios),
+                      f"threads.{code}.t2.others_over_algebra.max": max(ratios)}
     if thread_blocks(study):
         checked = checks(study).values()
-        found |= {"model.check.least": min(checked), "model.check.most": max(checked)}
+        found |= {"model.check.min": min(checked), "model.check.max": max(checked)}
         found |= {f"model.n{n}.s{stages}.{p if p == SPLIT else f'p{p}'}.{form}": ratio
                   for (n, stages), by_p in model_ratios(study).items() for p, by_form in by_p.items()
                   for form, ratio in by_form.items()}

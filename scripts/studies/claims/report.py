@@ -81,7 +81,7 @@ def sections(evidence):
                   " the paper speaks of the methods of Bogfjellmo and Marthinsen, which were not run. Ours are other"
                   " methods; their ratio is Gauss over the exponential method at equal error. Parallel: the fastest"
                   " other formulation over algebra, range over n and s. Order: of the cheapest setting, undecided with"
-                  f" fewer than {FEWEST} draws. Fast forms, plain sweeps: Picard sweeps from a cold start on full"
+                  f" fewer than {FEWEST} samples. Fast forms, plain sweeps: Picard sweeps from a cold start on full"
                   " matrices. The paper's column has ratios of its printed seconds only."),
         *processor_sections(evidence.processors()),
         judge.claims_table(evidence.rows()),
@@ -99,7 +99,7 @@ def processor_sections(processors):
     same_cpu = all(each["cpu"] == tables["cpu"] for each in processors.values())
     if same_cpu and claims["blas_kernels"] == tables["blas_kernels"]:
         return []
-    names = {"claims": "Octave, draws and threads", "tables": "plain and optimised C++", "avx2": "AVX2 tables"}
+    names = {"claims": "Octave, samples and threads", "tables": "plain and optimised C++", "avx2": "AVX2 tables"}
     places = "; ".join(f"{names[name]}: {each['cpu']}, OpenBLAS kernels {each['blas_kernels']}"
                        for name, each in processors.items())
     return [Paragraph(f"Columns of the table were not all measured on one processor with the same kernels. {places}.")]
@@ -138,14 +138,14 @@ def avx2_sections(evidence):
 def choice_sections(study):
     rows = [[each.claim, str(each.stages), str(each.n), each.implementation,
              ", ".join(f"{result} {count}" for result, count in each.results.items()),
-             three_digits(each.least), three_digits(each.most)] for each in choices(study)]
+             three_digits(each.minimum), three_digits(each.maximum)] for each in choices(study)]
     if not rows:
         return []
-    draws = len({cell.draw for cell in study.tables["draws"]})
+    samples = len({cell.sample for cell in study.tables["samples"]})
     columns = (Column("claim", align="left"), Column("s"), Column("n"), Column("implementation", align="left"),
                Column("results", align="left"), Column("least ratio"), Column("largest ratio"))
     return [Heading("What the paper leaves open"),
-            Paragraph(f"The claims with {draws} seeded draws of the initial modes up to l = 4, all of one variance,"
+            Paragraph(f"The claims with {samples} seeded samples of the initial modes up to l = 4, all of one variance,"
                       " each with both ħ: how often each result came out, and the range of the ratio."),
             plain_table(columns, rows)]
 

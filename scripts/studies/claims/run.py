@@ -1,8 +1,8 @@
 """Measures what became of the paper's claims in GNU Octave, with other initial data, and on two threads.
 
-Octave's cells are checked against those of C++ first. Each process on one core times in turns all that is compared;
-verdicts.py says how many processes tell which formulation is fastest. Tables 1 and 2 are not measured again: the
-renderer reads those recorded, and scripts/reproduce measures them with AVX2 kernels beside this study.
+Octave's cells are checked against those of C++ first. Each process on one core times, interleaved, all that is
+compared; verdicts.py says how many processes tell which formulation is fastest. Tables 1 and 2 are not measured again:
+the renderer reads those recorded, and scripts/reproduce measures them with AVX2 kernels beside this study.
 """
 
 import itertools
@@ -27,16 +27,16 @@ from lib.judging import verdicts
 from lib.running import built, initial_states, program, timed, untimed
 from lib.running.checkpoint import Checkpoint
 from studies.claims import octave_cells
-from studies.claims.schema import (EQUAL, HBARS, SCHEMA, WITHOUT, DrawCell, OctaveCell, OctavePair, OctaveProduct, Rate,
-                                   Settings, ThreadCell)
+from studies.claims.schema import (EQUAL, HBARS, SCHEMA, WITHOUT, OctaveCell, OctavePair, OctaveProduct, Rate,
+                                   SampleCell, Settings, ThreadCell)
 from studies.tables import judge as claims
 
 STEP, STEPS, TOLERANCE = 0.1, 50, 1e-13
 SIZES, QUICK_SIZES = (17, 33, 65, 129), (17, 33)
 SEVERAL_UP_TO = 33  # the n up to which a process runs a cell more than once
 REPETITIONS = 2  # of which the least counts
-DRAWS, QUICK_DRAWS = 5, 2  # with each ħ
-DRAW_SIZES, QUICK_DRAW_SIZES = (17, 33, 65), (17,)
+SAMPLES, QUICK_SAMPLES = 5, 2  # with each ħ
+SAMPLE_SIZES, QUICK_SAMPLE_SIZES = (17, 33, 65), (17,)
 # n of the runs by threads, with their h and number of steps: h‖B(W₀)‖₂ is that of n = 129 in Table 1 from there on.
 THREAD_RUNS = {65: (0.1, 20), 129: (0.1, 10), 257: (0.05, 5)}
 QUICK_THREAD_SIZES = (65,)
@@ -104,9 +104,9 @@ def require_equal(n, cell, answers):
 # ---- other initial data
 
 
-def time_draw(block):
+def time_sample(block):
     """Returns the CPU seconds of the rows of a block, "published group2" and so on, the least of its repetitions."""
-    modes = initial_states.drawn_modes(initial_states.SMOOTH, block["n"], block["draw"] + 1)  # 0 is the scene's own
+    modes = initial_states.drawn_modes(initial_states.SMOOTH, block["n"], block["sample"] + 1)  # 0 is the scene's own
     scene = isosyrk.scene("drawn", n=block["n"], hbar=block["hbar"], modes=modes)
     shuffled = random.Random(block["process"])
     found = {row: [] for row in block["rows"]}
@@ -191,7 +191,7 @@ def of_octave(seconds):
     return claims.block_verdicts(table_of({row: found for row, found in seconds.items() if row != PRODUCT}), 0)
 
 
-def of_draws(seconds):
+def of_samples(seconds):
     """Returns the verdicts on claims: a pair of rows that no claim is about needs no further process."""
     tables = (table_of({row.split()[1]: found for row, found in seconds.items() if row.startswith(solver)})
               for solver in SOLVERS)
@@ -206,7 +206,7 @@ def of_threads(seconds):
 # ---- the study
 
 
-TIMED = {"octave": time_octave, "draws": time_draw, "threads": time_threads}
+TIMED = {"octave": time_octave, "samples": time_sample, "threads": time_threads}
 
 
 def time_block(block):
@@ -250,14 +250,14 @@ def octave_tables(options, sizes, names, checkpoint):
 
 
 def draw_table(options, sizes, names, checkpoint):
-    draws = QUICK_DRAWS if options.quick else DRAWS
-    blocks = [{"what": "draws", "n": n, "hbar": hbar, "draw": draw, "products": checkpoint.products(n),
+    samples = QUICK_SAMPLES if options.quick else SAMPLES
+    blocks = [{"what": "samples", "n": n, "hbar": hbar, "sample": sample, "products": checkpoint.products(n),
                "repetitions": REPETITIONS if n <= SEVERAL_UP_TO else 1,
                "rows": [f"{solver} {name}" for solver in SOLVERS for name in names]}
-              for n in sizes for hbar in HBARS for draw in range(draws)]
-    seconds = times_of(blocks, of_draws, checkpoint, options, "timing draws")
-    return [DrawCell(**{field: block[field] for field in ("n", "hbar", "draw")}, implementation=solver, **row_of(name),
-                     seconds=found[f"{solver} {name}"])
+              for n in sizes for hbar in HBARS for sample in range(samples)]
+    seconds = times_of(blocks, of_samples, checkpoint, options, "timing samples")
+    return [SampleCell(**{field: block[field] for field in ("n", "hbar", "sample")}, implementation=solver,
+                       **row_of(name), seconds=found[f"{solver} {name}"])
             for block, found in zip(blocks, seconds) for solver in SOLVERS for name in names]
 
 
@@ -295,17 +295,17 @@ def chosen(sizes, wanted):
 def main(arguments):
     parser = program.parser("claims", __doc__.splitlines()[0])
     parser.add_argument("--processes", type=whole_number(1, 100), default=None, help="that time a block at most; with"
-                        f" fewer than {verdicts.FEWEST} all is undecided (default: {verdicts.MOST}, quick"
+                        f" fewer than {verdicts.FEWEST} all is undecided (default: {verdicts.MAXIMUM}, quick"
                         f" {verdicts.FEWEST})")
     options = parser.parse_args(arguments)
-    options.processes = options.processes or (verdicts.FEWEST if options.quick else verdicts.MOST)
+    options.processes = options.processes or (verdicts.FEWEST if options.quick else verdicts.MAXIMUM)
     names = [name for name in TABLE1_CELLS if not options.integrator or name in options.integrator]
     for name in options.integrator or ():
         if name not in TABLE1_CELLS:
             raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(TABLE1_CELLS)}")
-    full = (SIZES, DRAW_SIZES, tuple(THREAD_RUNS))
+    full = (SIZES, SAMPLE_SIZES, tuple(THREAD_RUNS))
     sizes = [chosen(each, options.n) for each in
-             ((QUICK_SIZES, QUICK_DRAW_SIZES, QUICK_THREAD_SIZES) if options.quick and not options.n else full)]
+             ((QUICK_SIZES, QUICK_SAMPLE_SIZES, QUICK_THREAD_SIZES) if options.quick and not options.n else full)]
     known = sorted({n for each in full for n in each})
     for n in options.n or ():
         if n not in known:
@@ -315,7 +315,7 @@ def main(arguments):
                                                       sizes=sorted({*sizes[0], *sizes[1]})))
     tables = octave_tables(options, sizes[0], names, checkpoint)
     tables |= thread_tables(options, sizes[2], names, checkpoint)
-    tables |= {"draws": draw_table(options, sizes[1], names, checkpoint), INTEGRATORS: built.entries(names)}
+    tables |= {"samples": draw_table(options, sizes[1], names, checkpoint), INTEGRATORS: built.entries(names)}
     octave = {"octave": octave_cells.version(), "octave_kernels": checkpoint.context["blas_kernels"]} if sizes[0] else \
         {"octave": NOT_RUN, "octave_kernels": NOT_RUN}
     settings = Settings(step=STEP, steps=STEPS, tolerance=TOLERANCE, **octave)

@@ -64,12 +64,12 @@ class OctaveProduct(NamedTuple):
     seconds: times
 
 
-class DrawCell(NamedTuple):
+class SampleCell(NamedTuple):
     """A cell of Table 1 in C++, with initial modes drawn at random."""
 
     n: whole(2)
     hbar: one_of(*HBARS)
-    draw: whole()
+    sample: whole()
     implementation: one_of(*SOLVERS)
     formulation: one_of(*FORMULATIONS)
     stages: whole(1)
@@ -100,8 +100,9 @@ class Rate(NamedTuple):
 
 
 SCHEMA = Schema("claims", Settings, {INTEGRATORS: Integrator, "octave": OctaveCell, "octave_pairs": OctavePair,
-                                     "octave_products": OctaveProduct, "draws": DrawCell, "threads": ThreadCell,
-                                     "rates": Rate}, later=(INTEGRATORS,))
+                                     "octave_products": OctaveProduct, "samples": SampleCell, "threads": ThreadCell,
+                                     "rates": Rate},
+                later=(INTEGRATORS,), renamed={"draw": "sample", "draws": "samples"})
 
 
 def read_claims(path, make=lambda study: study):
@@ -141,9 +142,9 @@ def octave_run(study):
     return run_of(study.tables["octave"], study.context)
 
 
-def draw_runs(study):
-    """Returns Runs by (implementation, ħ, draw)."""
+def sample_runs(study):
+    """Returns Runs by (implementation, ħ, sample)."""
     found = {}
-    for cell in study.tables["draws"]:
-        found.setdefault((cell.implementation, cell.hbar, cell.draw), []).append(cell)
+    for cell in study.tables["samples"]:
+        found.setdefault((cell.implementation, cell.hbar, cell.sample), []).append(cell)
     return {key: run_of(cells, study.context) for key, cells in found.items()}

@@ -6,7 +6,7 @@ from lib.records.integrators import is_new
 
 
 def figures(limits):
-    """Returns figures by key, such as critical.fast.smooth.group2.n65.least and survived_step.fast.smooth.group2.n65.
+    """Returns figures by key, such as critical.fast.smooth.group2.n65.min and survived_step.fast.smooth.group2.n65.
 
     Critical values are h‖B(W₀)‖₂, least and largest over the states of a scene, and theory is what linear theory has in
     their place. Steps that survived are h, each with its energy error. Then counts, and the spread of a limit over
@@ -14,9 +14,9 @@ def figures(limits):
     """
     found, quoted = {}, {*QUOTED, *(name for name, each in limits.integrators.items() if is_new(each))}
     for (solver, scene, n, name), line in limits.lines.items():
-        if name in quoted and line.least:
+        if name in quoted and line.minimum:
             key = f"critical.{solver}.{scene}.{name}.n{n}"
-            found |= {f"{key}.least": line.least, f"{key}.largest": line.largest}
+            found |= {f"{key}.min": line.minimum, f"{key}.largest": line.largest}
     found |= {f"theory.{scene}.{name}.n{n}": limit for (scene, n, name), limit in limits.theory.items()
               if name in quoted}
     for (solver, scene, n, name), survived in limits.survived.items():
@@ -33,7 +33,7 @@ def figures(limits):
                "survived": len(limits.survived),
                "survived_below_critical": sum(map(falls, limits.survived_and_critical()))}
     if several:
-        spreads = [line.largest / line.least for line in several]
+        spreads = [line.largest / line.minimum for line in several]
         found |= {"spread.median": statistics.median(spreads), "spread.largest": max(spreads)}
     return {**found, **counted}
 

@@ -65,9 +65,9 @@ def range_text(line):
     """Returns the range of critical h‖B‖₂ over states, with its marks."""
     if line is None:
         return MISSING
-    if line.least is None:
+    if line.minimum is None:
         return NONE
-    return (span([line.least, line.largest], three_digits) + CAP * line.set_by_cap + ISLAND * line.has_island)
+    return (span([line.minimum, line.largest], three_digits) + CAP * line.set_by_cap + ISLAND * line.has_island)
 
 
 def survived_sections(limits, solver):

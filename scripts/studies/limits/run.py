@@ -73,7 +73,7 @@ def main(arguments):
     tried = {job["integrator"] for job in jobs}
     place = ("solver", "scene", "n", "integrator")
     formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(
-        options.quick, trials.TIME, trials.LEAST_STEPS[False], trials.LEAST_STEPS[True], trials.LONGER,
+        options.quick, trials.TIME, trials.MIN_STEPS[False], trials.MIN_STEPS[True], trials.LONGER,
         trials.GRID_STEP, trials.CLOSE, trials.LONG_CLOSE), {
         "integrators": [entry for name, entry in built.integrators().items() if name in tried],
         "states": states_of(jobs),

@@ -105,7 +105,7 @@ class Line(NamedTuple):
     limits: Tuple[Limit, ...]
 
     @property
-    def least(self):
+    def minimum(self):
         """The least critical h‖B‖₂ over the states that have one; None if none has."""
         return min((limit.works for limit in self.limits if limit.works), default=None)
 
@@ -160,9 +160,9 @@ class Limits(NamedTuple):
     def held(self, survived):
         """Returns the h‖B‖₂ of a Survived, or the least critical one of the drawn states where that is less."""
         line = self.lines[survived.solver, survived.scene, survived.n, survived.integrator]
-        return min(survived.works, line.least or survived.works)
+        return min(survived.works, line.minimum or survived.works)
 
-    def least_survived(self):
+    def min_survived(self):
         """Returns the least h‖B‖₂ that survived, over scenes, by (integrator, solver, n), n rising within a form."""
         found = {}
         for (solver, _, n, name), survived in self.survived.items():

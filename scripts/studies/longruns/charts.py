@@ -4,14 +4,14 @@ from matplotlib.ticker import LogLocator
 
 from lib.records.settings import keeping_tolerance
 from lib.pages.chart_panels import KEEPING, cross, draw_line, equals, label_ends, logarithmic, look, new_figure, note
-from lib.judging.drift import BOUNDED, GROWS, LEAST_GROWTH
+from lib.judging.drift import BOUNDED, GROWS, MIN_GROWTH
 from lib.records.integrators import is_new, name_with_order
 from studies.longruns.schema import COSTS, ENERGY, SCENES, SPECTRUM
 from studies.longruns.judge import places_of
 from lib.pages.numbers import power, scientific
 
 SIZES = (33, 129)  # of the panels against cost, where there are such
-LEAST_ERROR = 1e-16  # where an exact 0 is drawn
+MIN_ERROR = 1e-16  # where an exact 0 is drawn
 # The methods that are drawn, by name; new ones are too. The others are in tables.
 AGAINST_COST = ("group2", "elp4_tight", "elp6", "magnus5", "rk8_projected", "rk4", "rk8")
 AGAINST_TIME = ("group2", "elp4_tight", "elp6_tight", "elp6", "magnus5", "rk8_projected", "rk8")
@@ -79,7 +79,7 @@ def against_cost(runs, quantity, title, label):
                      xlabel="full products a unit of time")
             axes.ends, kept = [], None
             for method, line in drawn(runs, runs.lines_at(scene, n), AGAINST_COST).items():
-                points = [(point.equivalent_products, max(point.error(quantity), LEAST_ERROR))
+                points = [(point.equivalent_products, max(point.error(quantity), MIN_ERROR))
                           for point in line if point.usable]
                 style = look_of(runs, line[0])
                 if not draw_line(axes, method, points, **style):
@@ -138,19 +138,19 @@ def time_title(runs, found):
     first = next(iter(next(iter(found.values())).values()))
     ended = {scene: [run for run in each.values() if run.finished] for scene, each in found.items()}
     bounded = {scene: [run for run in each if run.judged(ENERGY).verdict == BOUNDED] for scene, each in ended.items()}
-    told = [f"{words} {', '.join(least_text(runs, scene, each) for scene, each in some.items() if each)}"
+    told = [f"{words} {', '.join(min_text(runs, scene, each) for scene, each in some.items() if each)}"
             for words, some in (("the least energy error is", ended), ("the least bounded one", bounded))
             if any(some.values())]
     return f"At equal cost ({equals('n', first.n)}, {equals('T', format(first.time, 'g'))}) {'; '.join(told)}"
 
 
-def least_text(runs, scene, some):
+def min_text(runs, scene, some):
     """Writes the least energy error at the end of some runs in a scene."""
-    least = min(some, key=lambda run: run.last(ENERGY))
-    return f"{scientific(least.last(ENERGY))} in the {scene} scene ({label_of(runs, least)})"
+    minimum = min(some, key=lambda run: run.last(ENERGY))
+    return f"{scientific(minimum.last(ENERGY))} in the {scene} scene ({label_of(runs, minimum)})"
 
 
 def drift_of(run):
     """Writes the power of time by which an energy error grows if it has one; otherwise the verdict."""
     verdict, growth, *_ = run.judged(ENERGY)
-    return f"t^{growth.value:.1f}" if verdict == GROWS and growth and growth.low > LEAST_GROWTH else verdict
+    return f"t^{growth.value:.1f}" if verdict == GROWS and growth and growth.low > MIN_GROWTH else verdict

@@ -25,16 +25,16 @@ class Place(NamedTuple):
     @property
     def structure(self):
         """The least Price of keeping the structure, or None."""
-        return self.least(STRUCTURE)
+        return self.cheapest_of(STRUCTURE)
 
-    def least(self, classes):
+    def cheapest_of(self, classes):
         """Returns the least Price of some classes, or None."""
         return min((price for each in classes if (price := self.prices[each])), key=lambda price: price.products,
                    default=None)
 
     def ratio(self, classes):
         """Returns the cost of keeping the structure over that of these classes; None where either has none."""
-        rival = self.least(classes)
+        rival = self.cheapest_of(classes)
         return self.structure.products / rival.products if self.structure and rival else None
 
     @property

@@ -2,8 +2,8 @@
 
 import math
 
-from lib.judging.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, LEAST_DRIFT, LEAST_GROWTH, LOST,
-                               MOST_TREND, ROUNDING)
+from lib.judging.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, MIN_DRIFT, MIN_GROWTH, LOST,
+                               MAX_TREND, ROUNDING)
 from lib.judging.verdicts import UNDECIDED
 from lib.pages.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table, shown
 from lib.pages.numbers import MISSING, power, scientific, three_digits, two_digits
@@ -26,10 +26,10 @@ RULES = (
     (FAILED, ": the solver failed, or the energy was off by its own size"),
     (ALL_LOST, f": an error of {LOST:g} or more"),
     (KEPT, f": always below {ROUNDING:g}"),
-    (GROWS, f": like t^p, and the interval of p lies above {LEAST_GROWTH:g}; or the mean error drifts by more than"
-     f" {LEAST_DRIFT:g} of its size, which is told instead of p"),
+    (GROWS, f": like t^p, and the interval of p lies above {MIN_GROWTH:g}; or the mean error drifts by more than"
+     f" {MIN_DRIFT:g} of its size, which is told instead of p"),
     (BOUNDED, f": the straight lines through error and mean error have slopes whose intervals hold 0, and gain less"
-     f" than {MOST_TREND:g} of the error in the whole run"),
+     f" than {MAX_TREND:g} of the error in the whole run"),
     (UNDECIDED, ": anything else"))
 
 
@@ -44,10 +44,10 @@ def prices_table(runs, quantity, places):
     blocks = {}
     for place in places:
         prices = [place.prices[each] for each in SHOWN[quantity]]
-        least = min((price.products for price in prices if price), default=None)
+        minimum = min((price.products for price in prices if price), default=None)
         row = [Entry(text) for text in (str(place.n), f"{runs.plans[place.n].time:g}", place.scene,
                                         power(place.error))]
-        row += [Entry(price_text(price), bool(price) and price.products == least) for price in prices]
+        row += [Entry(price_text(price), bool(price) and price.products == minimum) for price in prices]
         row += [Entry(ratio_text(place.ratio((each,)))) for each in RIVALS[quantity]]
         blocks.setdefault((place.n, place.scene), []).append(row)
     return Table(tuple(columns), list(blocks.values()))
@@ -175,7 +175,7 @@ def verdict_text(run, quantity):
         return f"{run.status} at step {run.failed_step}"
     if verdict != GROWS:
         return verdict
-    if growth and growth.low > LEAST_GROWTH:
+    if growth and growth.low > MIN_GROWTH:
         return "growing, p = {} ({} to {})".format(*map(two_places, growth))
     return "growing, drift {} ({} to {})".format(*map(two_places, drift))
 

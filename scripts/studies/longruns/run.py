@@ -18,7 +18,7 @@ from studies.longruns.plan import (DEFECT_SIZES, DEFECT_TIME, LONG_RUNS, PLANS, 
 from studies.longruns.schema import COST_MARGIN, SCHEMA, LongRun, Point, Settings
 from studies.longruns.symplectic_defect import symplectic_defect
 
-MOST_POINTS = 12  # of a line
+MAX_POINTS = 12  # of a line
 EXACT = 1e-13  # a line ends where energy and spectrum are as good
 
 ENERGIES_A_WINDOW = 20  # at least, or one after every step
@@ -118,7 +118,7 @@ def has_ended(points, products):
 
     The cost is expected to change as it last did: that of an implicit method hardly rises, and falls at first.
     """
-    if len(points) == MOST_POINTS:
+    if len(points) == MAX_POINTS:
         return True
     finished = [point for point in points if point["status"] == CONVERGED]
     if not finished or finished[-1] is not points[-1]:

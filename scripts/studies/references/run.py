@@ -25,7 +25,7 @@ INTEGRATORS = ("group8", "rkmk4")
 TOLERANCE = 1e-14
 LONGEST_STEP, SHORTEST_STEP = 0.05, 0.0001
 AIM = 0.05  # an estimated error of this share of the largest uncertainty is small enough, ...
-LEAST_HALVED = 1e-10  # ... and below this, an error that a doubling does not halve is rounding
+MIN_HALVED = 1e-10  # ... and below this, an error that a doubling does not halve is rounding
 DEVELOPING_STEP = 0.1  # to DEVELOPED_TIME; half the step must lead to the same energies to six digits
 LARGEST_DIFFERENCE = problems.DIGITS / 10
 
@@ -46,7 +46,7 @@ def refine(scene, time, integrator, aim):
                 break
         else:
             change = isosyrk.relative_error(best[0], W) if best else math.inf
-            if best and change < LEAST_HALVED and change >= last_change / 2:
+            if best and change < MIN_HALVED and change >= last_change / 2:
                 break
             best, last_change = (W, steps), change
             if change / (2**entry.order - 1) < aim:
@@ -140,10 +140,10 @@ def main(arguments):
         solutions = untimed.results([problem._asdict() for problem in missing], solve, checkpoint, options,
                                   "reference solutions")
         for problem, solution in zip(missing, solutions):
-            found, most = solution["record"]["uncertainty"], problems.UNCERTAINTIES[problem.scene, problem.time]
-            if not found < most:
+            found, maximum = solution["record"]["uncertainty"], problems.UNCERTAINTIES[problem.scene, problem.time]
+            if not found < maximum:
                 raise Stop(f"reference of {problem}: {' and '.join(INTEGRATORS)} differ by {found:.2g}; must be"
-                                 f" below {most:g}", NO_ANSWER)
+                                 f" below {maximum:g}", NO_ANSWER)
             write(problem, folder, solution)
         checkpoint.remove()
     for problem in wanted:

@@ -5,7 +5,7 @@ import math
 
 from lib.records.formats import FAST, FORMULATIONS, PUBLISHED
 from lib.judging.verdicts import ratio_of
-from studies.scaling.schema import (BANDS, ROUGH, RUNGS, WITH_PRODUCTS, cells, exponential, lie_poisson, slope,
+from studies.scaling.schema import (BANDS, ROUGH, ABLATIONS, WITH_PRODUCTS, cells, exponential, lie_poisson, slope,
                                     slope_ends)
 from studies.threads.judge import thread_figures
 
@@ -15,10 +15,10 @@ def figures(study, rough=None, threads=None):
 
     `rough` is None or the Scaling of the rough scene, `threads` None or the Threads of a raw file of its own.
 
-    RUNG.nN.tT[.FORM] and exponential.RUNG.nN.tT[.NAME] are gains of the fast forms. step.*, share.* and slope.* are of
-    the lines against n: milliseconds, part of the products, power of n; per_time.* seconds a unit of time, whose steps
-    differ with n; products.* the equivalent products of a step; rough.* the same of the rough scene. bands.* are gains
-    by bands on lines; trend.* tells of all repetitions, single of single timings. threads.* are those of
+    ABLATION.nN.tT[.FORM] and exponential.ABLATION.nN.tT[.NAME] are gains of the fast forms. step.*, share.* and slope.*
+    are of the lines against n: milliseconds, part of the products, power of n; per_time.* seconds a unit of time, whose
+    steps differ with n; products.* the equivalent products of a step; rough.* the same of the rough scene. bands.* are
+    gains by bands on lines; trend.* tells of all repetitions, single of single timings. threads.* are those of
     thread_figures, and of an older file gains by a second thread with their intervals.
     """
     found = line_figures(study)
@@ -26,8 +26,8 @@ def figures(study, rough=None, threads=None):
         found.update({f"{ROUGH}.{key}": value for key, value in line_figures(rough).items()})
     for start in study.starts():
         found.update(gain_figures(study, start))
-    if ideas := gains_of_ideas(study):
-        found["costliest_idea"] = max(0.0, 1 / min(ideas) - 1)
+    if parts := gains_of_parts(study):
+        found["costliest_part"] = max(0.0, 1 / min(parts) - 1)
     for row in study.threads:
         key, ratio = f"threads.{row.integrator}.n{row.n}.t{row.start:g}", ratio_of(row.one, row.two)
         found[key] = ratio.ratio
@@ -40,11 +40,11 @@ def figures(study, rough=None, threads=None):
     return {**found, **({f"trend.{name}": value for name, value in trend._asdict().items()} if trend else {})}
 
 
-def gains_of_ideas(study):
-    """Returns what each idea gains in the fast form of each formulation, at every start and n."""
+def gains_of_parts(study):
+    """Returns what each part gains in the fast form of each formulation, at every start and n."""
     places = [(start, n) for start in study.starts() for n in study.sizes(start)]
-    return [gain for place in places for rung in RUNGS if rung not in (PUBLISHED, FAST) for form in FORMULATIONS
-            if (gain := study.gain(*place, rung, cells((form,))))]
+    return [gain for place in places for ablation in ABLATIONS if ablation not in (PUBLISHED, FAST)
+            for form in FORMULATIONS if (gain := study.gain(*place, ablation, cells((form,))))]
 
 
 def gain_figures(study, start):
@@ -54,28 +54,28 @@ def gain_figures(study, start):
     found = {}
     for n in study.sizes(start):
         where = f"n{n}.t{start:g}"
-        for rung in RUNGS:
-            if rung == FAST:
+        for ablation in ABLATIONS:
+            if ablation == FAST:
                 continue
-            key = rung.replace(" ", "_")
-            found.update({f"{key}.{where}{suffix}": study.gain(start, n, rung, names)
+            key = ablation.replace(" ", "_")
+            found.update({f"{key}.{where}{suffix}": study.gain(start, n, ablation, names)
                           for suffix, names in groups.items()})
-            found.update({f"exponential.{key}.{where}{suffix}": study.gain(start, n, rung, names)
+            found.update({f"exponential.{key}.{where}{suffix}": study.gain(start, n, ablation, names)
                           for suffix, names in exponential_groups.items()})
-        for key, rung in (("bands", BANDS), ("published_line", PUBLISHED)):
-            found.update({f"{key}.{where}.{name}": study.gain(start, n, rung, [name]) for name in study.lines})
+        for key, ablation in (("bands", BANDS), ("published_line", PUBLISHED)):
+            found.update({f"{key}.{where}.{name}": study.gain(start, n, ablation, [name]) for name in study.lines})
     return {key: mean for key, mean in found.items() if mean}
 
 
 def line_figures(study):
     """Returns what a step costs on each of the lines, and their slopes."""
     found = {}
-    for start, name, rung in itertools.product(study.starts(), study.lines, (PUBLISHED, FAST)):
-        line = study.line(start, name, rung)
+    for start, name, ablation in itertools.product(study.starts(), study.lines, (PUBLISHED, FAST)):
+        line = study.line(start, name, ablation)
         for point in line:
             found.update(step_figures(study, point))
         if ends := slope_ends(line):
-            found[f"slope.{name}.{rung}.n{ends[0].n}_n{ends[1].n}.t{start:g}"] = slope(*ends)
+            found[f"slope.{name}.{ablation}.n{ends[0].n}_n{ends[1].n}.t{start:g}"] = slope(*ends)
     return found
 
 
@@ -84,7 +84,7 @@ def step_figures(study, point):
 
     From WITH_PRODUCTS on the equivalent products of a step too.
     """
-    where, share = f"{point.integrator}.{point.rung}.n{point.n}.t{point.start:g}", study.share_of_products(point)
+    where, share = f"{point.integrator}.{point.ablation}.n{point.n}.t{point.start:g}", study.share_of_products(point)
     return {f"step.{where}": 1e3 * point.time, f"per_time.{where}": point.time / point.step,
             **({f"products.{where}": point.equivalent_products} if point.n >= WITH_PRODUCTS else {}),
             **({f"share.{where}": share} if share is not None else {})}

@@ -1,16 +1,16 @@
-"""What the study `scaling` times: integrators, rungs and starts at each n."""
+"""What the study `scaling` times: integrators, ablations and starts at each n."""
 
 from lib.records.formats import FAST, PUBLISHED
 from lib.records.integrators import TABLE1_CELLS, chosen
 from lib.running import built
-from studies.scaling.schema import ANY, BANDS, BASIC, IDEAS, lines_of, rungs_of, without
+from studies.scaling.schema import ANY, BANDS, BASIC, PARTS, lines_of, ablations_of, without
 from studies.threads.plan import FEW, ONCE, ONCE_START, affordable, shrunk, step_of
 
 SCENES, STARTS = ("smooth", "rough"), (5.0, 50.0)  # the first scene by default
 WARMUP = 1.5  # time before the timed steps; predictors save more up to some 16 steps of a Gauss method
 SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257, 513, 1025), (9, 17, 33)
 QUICK_METHODS = ("cotangent2", "group2", "algebra2", "elp4", "magnus5", "rkmk4", "rk4")  # new ones, and lines, besides
-# What is affordable. Every integrator up to n = 129, but those whose ideas are not told apart as fast forms only beyond
+# What is affordable. Every integrator up to n = 129, but those whose parts are not told apart as fast forms only beyond
 # 65; beyond 129 the lines against n; from LARGE on no published forms, and bands apart only of FEW; they alone at ONCE.
 LARGEST_OF_ALL, LARGEST_OF_OTHERS = 129, 65
 STEPS, STEPS_LARGE, LARGE = 8, 2, 513  # that are timed; fewer from LARGE on
@@ -19,25 +19,25 @@ REPETITIONS, QUICK_REPETITIONS = 6, 3
 
 def points_of(entries, sizes, products, scene=SCENES[0], starts=STARTS):
     """Returns the points as objects of JSON. `products(n)` names the backend of published forms."""
-    return [{"scene": scene, "start": start, "n": n, "integrator": entry.name, "rung": rung, **step_of(entry, n),
-             "steps": STEPS if n < LARGE else STEPS_LARGE, "products": products(n)}
-            for n in sizes for start in starts for entry in entries for rung in rungs_at(entry, n, start)]
+    return [{"scene": scene, "start": start, "n": n, "integrator": entry.name, "ablation": ablation,
+             **step_of(entry, n), "steps": STEPS if n < LARGE else STEPS_LARGE, "products": products(n)}
+            for n in sizes for start in starts for entry in entries for ablation in ablations_at(entry, n, start)]
 
 
-def rungs_at(entry, n, start):
-    """Returns the rungs of an integrator that are timed at an n."""
+def ablations_at(entry, n, start):
+    """Returns the ablations of an integrator that are timed at an n."""
     name, has_line = entry.name, entry.name in lines()
     if n == ONCE:
-        rungs = (FAST,) if name in FEW and start == ONCE_START else ()
+        ablations = (FAST,) if name in FEW and start == ONCE_START else ()
     elif n >= LARGE:
-        rungs = () if not has_line else (BANDS, FAST) if name in FEW else (FAST,)
+        ablations = () if not has_line else (BANDS, FAST) if name in FEW else (FAST,)
     elif n > LARGEST_OF_ALL:
-        rungs = BASIC if has_line else ()
-    elif n > LARGEST_OF_OTHERS and not (name in TABLE1_CELLS or has_line or entry.family in IDEAS):
-        rungs = (FAST,)
+        ablations = BASIC if has_line else ()
+    elif n > LARGEST_OF_OTHERS and not (name in TABLE1_CELLS or has_line or entry.family in PARTS):
+        ablations = (FAST,)
     else:
-        rungs = rungs_of(entry)
-    return rungs if entry.has_fast_form else tuple(rung for rung in rungs if rung == PUBLISHED)
+        ablations = ablations_of(entry)
+    return ablations if entry.has_fast_form else tuple(ablation for ablation in ablations if ablation == PUBLISHED)
 
 
 def lines():
@@ -47,8 +47,9 @@ def lines():
 
 def has_memory(point):
     """Tells whether the past steps of a run make the next one cheaper, so that it has to be warm."""
-    entry, rung = built.integrators()[point["integrator"]], point["rung"]
-    return rung not in (PUBLISHED, ANY) and not (entry.explicit or {"predictor", "newton"} <= {*without(entry, rung)})
+    entry, ablation = built.integrators()[point["integrator"]], point["ablation"]
+    without_memory = entry.explicit or {"predictor", "newton"} <= {*without(entry, ablation)}
+    return ablation not in (PUBLISHED, ANY) and not without_memory
 
 
 def warm_steps(point):

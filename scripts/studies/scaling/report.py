@@ -1,4 +1,4 @@
-"""Report of `scaling`: a step's time against n, what bands and other ideas buy, threads, and the repetitions."""
+"""Report of `scaling`: a step's time against n, what bands and other parts gain, threads, and the repetitions."""
 
 import math
 
@@ -8,7 +8,7 @@ from lib.pages.document import Column, Entry, Heading, Paragraph, Table, conditi
 from lib.pages.numbers import MISSING, percentage, scientific, three_digits
 from lib.pages.rendering import Rendering, beside
 from studies.scaling.judge import figures
-from studies.scaling.schema import (BANDS, RUNGS, cells, exponential, read_rough, read_scaling, rungs_of, slope,
+from studies.scaling.schema import (BANDS, ABLATIONS, cells, exponential, read_rough, read_scaling, ablations_of, slope,
                                     slope_ends)
 from studies.tables.comparison import UNDECIDED_MARK, spread_text, time_with_spread
 from studies.threads.report import thread_sections
@@ -24,7 +24,7 @@ def scaling_sections(study, rough=None, threads=None):
     `rough` is None or the Scaling of the rough scene, `threads` None or the Threads of a raw file of its own.
     """
     return [
-        Heading("What a step costs, and what each idea buys", 1),
+        Heading("What a step costs, and what each part of the fast forms gains", 1),
         Paragraph(f"Steps of the {study.settings.scene} scene from {starts_text(study)} on. A repetition repeats the"
                   " same steps from the same state. A fast form with a predictor runs for"
                   f" T = {study.settings.warmup:g} before them, untimed. Beyond n = 257 steps and this time fall as"
@@ -67,20 +67,20 @@ def time_entry(point, unit=1.0):
     return text + SINGLE if point.is_single else text
 
 
-def ratio_entry(study, start, n, name, rung):
-    """Returns the text of a rung's time over that of the fast form, with its spread or the mark of a single timing."""
-    found = study.ratios(start, n, name, rung)
+def ratio_entry(study, start, n, name, ablation):
+    """Returns the text of an ablation's time over the fast form's, with its spread or the mark of a single timing."""
+    found = study.ratios(start, n, name, ablation)
     if not found:
         return MISSING
     text = time_with_spread(found)
     return text + SINGLE if len(found) == 1 else text
 
 
-def gain_entry(study, start, n, rung, names):
-    found = study.gain(start, n, rung, names)
+def gain_entry(study, start, n, ablation, names):
+    found = study.gain(start, n, ablation, names)
     if found is None:
         return MISSING
-    single = any(len(study.ratios(start, n, name, rung)) == 1 for name in names)
+    single = any(len(study.ratios(start, n, name, ablation)) == 1 for name in names)
     return three_digits(found) + (SINGLE if single else "")
 
 
@@ -97,10 +97,11 @@ def line_table(study):
     rows = []
     for start in study.starts():
         for name in study.lines:
-            for rung in (PUBLISHED, FAST):
-                rows += [[f"{start:g}", name, rung, str(point.n), time_entry(point, 1e3), three_digits(point.sweeps),
-                          three_digits(point.equivalent_products), share_entry(study, point)]
-                         for point in study.line(start, name, rung)]
+            for ablation in (PUBLISHED, FAST):
+                rows += [[f"{start:g}", name, ablation, str(point.n), time_entry(point, 1e3),
+                          three_digits(point.sweeps), three_digits(point.equivalent_products),
+                          share_entry(study, point)]
+                         for point in study.line(start, name, ablation)]
     columns = (Column("t"), *lefts("integrator", "form"), Column("n"), Column("ms a step"), Column("sweeps"),
                Column("equivalent products"), Column("share of products"))
     return plain_table(columns, rows) if rows else None
@@ -115,7 +116,7 @@ def line_sections(study):
         Paragraph("Methods in the co-rotating frame; Gauss methods and RK4 with h = 0.1 and the tolerance 1e-13,"
                   " exponential ones with h = 0.25 and 1e-8; for all of them h is a half of that at n = 513, a quarter"
                   " at n = 1025. Two steps were timed at these n."
-                  " Medians ± half the interquartile range of repetitions in turns."
+                  " Medians ± half the interquartile range of interleaved repetitions."
                   f" {SINGLE_MEANS} Share of products: the time of the equivalent products by themselves over that of"
                   " the step."),
         table,
@@ -136,11 +137,11 @@ def rough_sections(study):
 def slope_sections(study):
     rows = []
     for name in study.lines:
-        for rung in (PUBLISHED, FAST):
+        for ablation in (PUBLISHED, FAST):
             for start in study.starts():
-                ends = slope_ends(study.line(start, name, rung))
+                ends = slope_ends(study.line(start, name, ablation))
                 if ends:
-                    rows.append([name, rung, f"{start:g}", f"{ends[0].n} to {ends[1].n}",
+                    rows.append([name, ablation, f"{start:g}", f"{ends[0].n} to {ends[1].n}",
                                  f"{slope(*ends):.2f}{SINGLE if any(each.is_single for each in ends) else ''}"])
     if not rows:
         return []
@@ -170,7 +171,7 @@ def band_sections(study):
     ]
 
 
-# ---- ideas
+# ---- ablation
 
 
 def gauss_sections(study):
@@ -178,14 +179,14 @@ def gauss_sections(study):
     if not names:
         return []
     columns, places = columns_by_start(study, names)
-    rungs = [rung for rung in rungs_of(study.identities[names[0]]) if rung != FAST]
-    rows = [[rung, *(gain_entry(study, *place, rung, names) for place in places)] for rung in rungs]
+    ablations = [ablation for ablation in ablations_of(study.identities[names[0]]) if ablation != FAST]
+    rows = [[ablation, *(gain_entry(study, *place, ablation, names) for place in places)] for ablation in ablations]
     return [
-        Heading("What each idea buys, Gauss methods"),
+        Heading("Ablation of Gauss methods: what each part of the fast form gains"),
         Paragraph("Time over that of the fast form, geometric means over the cells of Table 1, not in the frame."
                   " Published: the published form. Without newton: plain Picard sweeps. Without predictor: a cold start"
                   " each step. Without bands: full products. Without any: split-complex storage, its products,"
-                  " triangles and single precision of late terms are left. Below 1 an idea does not pay in these"
+                  " triangles and single precision of late terms are left. Below 1 a part does not pay in these"
                   f" steps. {SINGLE}: at least one of the cells was timed once."),
         plain_table((*lefts("form"), *columns), rows),
     ]
@@ -196,11 +197,15 @@ def exponential_sections(study):
     if not names:
         return []
     columns, places = columns_by_start(study, names)
-    blocks = [[[Entry(each) for each in (name, rung, *(ratio_entry(study, *place, name, rung) for place in places))]
-               for rung in RUNGS if rung != FAST and any((*place, name, rung) in study.points for place in places)]
-              for name in names]
+
+    def row(name, ablation):
+        return [Entry(each) for each in (name, ablation, *(ratio_entry(study, *place, name, ablation)
+                                                           for place in places))]
+
+    blocks = [[row(name, ablation) for ablation in ABLATIONS if ablation != FAST
+               and any((*place, name, ablation) in study.points for place in places)] for name in names]
     return [
-        Heading("What each idea buys, exponential methods"),
+        Heading("Ablation of exponential methods"),
         Paragraph("Time over that of the fast form, h = 0.25, tolerance 1e-8, not in the frame. Without newton: plain"
                   " Picard sweeps. Without predictor: no start values from past steps. Without explicit start: none"
                   " from a step of an explicit Magnus method. Without either start: a cold start each step. Without"
@@ -230,7 +235,7 @@ def two_thread_sections(study):
     return [
         Heading("Two threads"),
         Paragraph("Time that passes for a step of the fast form on one thread, over that on two. Each process runs both"
-                  " in turns; the gain is the geometric mean over processes with its 95 % interval."
+                  " interleaved; the gain is the geometric mean over processes with its 95 % interval."
                   f" {UNDECIDED_MARK}: undecided whether there is a gain beyond 5 %. Milliseconds are the least of all"
                   " processes."),
         plain_table((*lefts("integrator"), Column("n"), Column("t"), Column("ms, one"), Column("ms, two"),
@@ -242,26 +247,28 @@ def two_thread_sections(study):
 
 
 def all_sections(study):
-    rungs = (PUBLISHED, BANDS)
+    ablations = (PUBLISHED, BANDS)
     columns = (Column("t"), Column("n"), *lefts("integrator"), Column("sweeps"), Column("equivalent products"),
                Column("share of products"), Column("ms a step"),
-               *(Column(rung, "time over that of the fast form") for rung in rungs))
+               *(Column(ablation, "time over that of the fast form") for ablation in ablations))
 
     def row(start, n, name):
         point = study.points.get((start, n, name, FAST))
         works = point is not None and point.seconds
-        costs = ([three_digits(point.sweeps), three_digits(point.equivalent_products), share_entry(study, point)]
+        costs = ([three_digits(point.sweeps), three_digits(point.equivalent_products),
+                          share_entry(study, point)]
                  if works else [MISSING] * 3)
         return [Entry(each) for each in (f"{start:g}", str(n), name, *costs, time_entry(point, 1e3),
-                                         *(ratio_entry(study, start, n, name, rung) for rung in rungs))]
+                                         *(ratio_entry(study, start, n, name, ablation) for ablation in ablations))]
 
-    blocks = [[row(start, n, name) for name in study.integrators() if any((start, n, name, rung) in study.points
-                                                                         for rung in RUNGS)]
+    blocks = [[row(start, n, name) for name in study.integrators() if any((start, n, name, ablation) in study.points
+                                                                         for ablation in ABLATIONS)]
               for start in study.starts() for n in study.sizes(start)]
     return [
         Heading("Every integrator"),
-        Paragraph("A step of the fast form. Medians ± half the interquartile range of repetitions in turns; ratios are"
-                  f" within the same round. {SINGLE_MEANS} {MISSING}: steps that fail, and forms that were not timed."),
+        Paragraph("A step of the fast form. Medians ± half the interquartile range of interleaved repetitions; ratios"
+                  f" are within the same round. {SINGLE_MEANS} {MISSING}: steps that fail, and forms that were not"
+                  " timed."),
         Table(columns, blocks),
     ]
 

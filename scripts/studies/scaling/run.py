@@ -1,4 +1,4 @@
-"""Times a step of every integrator against n, published and fast, and without each idea of the fast form in turn.
+"""Times a step of every integrator against n, published and fast, and without each part of the fast form in turn.
 
 The timed steps start at t = 5 and t = 50 of the smooth scene unless others are asked for, from states that the study
 computes first. A repetition repeats the same steps from the same state. Before them a fast form with a memory runs
@@ -28,7 +28,7 @@ ENOUGH = 1.2  # CPU seconds of timed steps of a point, after which it is repeate
 
 # States: an exponential method of order 6 at steps that are far more accurate than a state for timing must be.
 STATES_BY, STATES_STEP, STATES_TOLERANCE = "elp6_frame", 0.25, 1e-10
-MOST_HALVINGS = 3  # of that step, where it fails
+MAX_HALVINGS = 3  # of that step, where it fails
 
 
 # ---- what is timed
@@ -41,10 +41,10 @@ def scene_of(scene, n):
 
 def made(point):
     """Returns the integrator of a point as new, so that no repetition knows of the one before."""
-    if point["rung"] == PUBLISHED:
+    if point["ablation"] == PUBLISHED:
         options = {"solver": PUBLISHED, "products": point["products"]}
     else:
-        options = {"solver": FAST, "without": without(built.integrators()[point["integrator"]], point["rung"])}
+        options = {"solver": FAST, "without": without(built.integrators()[point["integrator"]], point["ablation"])}
     return isosyrk.integrator(scene_of(point["scene"], point["n"]), point["integrator"], tolerance=point["tolerance"],
                               **options)
 
@@ -65,10 +65,10 @@ def state_after(scene, n, W, length):
     """Returns the state a time after W, with half the step as often as one fails."""
     integrator = isosyrk.integrator(scene_of(scene, n), STATES_BY, solver=FAST, tolerance=STATES_TOLERANCE)
     steps = math.ceil(length / shrunk(n, STATES_STEP) - 1e-9)
-    for halvings in range(MOST_HALVINGS + 1):
+    for halvings in range(MAX_HALVINGS + 1):
         with contextlib.suppress(isosyrk.SolverError):
             return integrator.run(W, length / steps / 2**halvings, steps * 2**halvings)[0]
-    raise Stop(f"states at n = {n}: {STATES_BY} fails with h = {length / steps / 2**MOST_HALVINGS:.3g} too", NO_ANSWER)
+    raise Stop(f"states at n = {n}: {STATES_BY} fails with h = {length / steps / 2**MAX_HALVINGS:.3g} too", NO_ANSWER)
 
 
 def count(point, W):
@@ -97,7 +97,7 @@ def prepare(job):
     return {"states": states, "counts": [count(point, matrices[f"{begin_of(point):g}"]) for point in job["points"]]}
 
 
-# ---- timed, in turns
+# ---- timed, interleaved
 
 
 class Timer:

@@ -1,4 +1,4 @@
-"""The raw file of the study `scaling` and its figures: what a step costs against n, and what each idea buys."""
+"""The raw file of the study `scaling` and its figures: what a step costs against n, and ablations."""
 
 import math
 import statistics
@@ -10,16 +10,16 @@ from lib.records.formats import (FAST, FORMULATIONS, INTEGRATORS, PUBLISHED, SOL
                                  list_of, number, one_of, optional, positive, text, whole)
 from lib.records.integrators import EXPONENTIAL, MAGNUS, RKMK, TABLE1_CELLS, chosen, is_new
 
-# The ideas of fast forms, as the module names them: of families with ideas of their own, and of others.
-IDEAS = {EXPONENTIAL: ("bands", "predictor", "newton", "explicit_start", "error_estimates", "graded_series"),
+# The parts of fast forms, as the module names them: of families with parts of their own, and of others.
+PARTS = {EXPONENTIAL: ("bands", "predictor", "newton", "explicit_start", "error_estimates", "graded_series"),
          MAGNUS: ("bands",), RKMK: ("bands", "graded_series")}
-GAUSS_IDEAS = ("bands", "predictor", "newton")  # of all other implicit methods
-EXPLICIT_IDEAS = ("bands",)
+GAUSS_PARTS = ("bands", "predictor", "newton")  # of all other implicit methods
+EXPLICIT_PARTS = ("bands",)
 
-# A rung: the published form, or the fast form without these ideas; ANY stands for all that a method has, GONE for what
-# fast forms no longer have an option to go without: only older files have that rung.
+# An ablation: the published form, or the fast form without these parts; ANY stands for all that a method has, GONE for
+# what fast forms no longer have an option to go without: only older files have that ablation.
 ANY, GONE = "without any", None
-RUNGS = {
+ABLATIONS = {
     PUBLISHED: (),
     ANY: (),
     "without newton": ("newton",),
@@ -33,7 +33,7 @@ RUNGS = {
     FAST: (),
 }
 BANDS = "without bands"
-BASIC = (PUBLISHED, BANDS, FAST)  # the rungs of an integrator whose ideas are not told apart
+BASIC = (PUBLISHED, BANDS, FAST)  # the ablations of an integrator whose parts are not told apart
 STAGES = (1, 2, 3)  # of the cells of Table 1
 
 # The methods with a line of a step's time against n, all in the co-rotating frame; new integrators have one too.
@@ -49,12 +49,12 @@ class Settings(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A rung of an integrator at one n, on steps from one time on; costs are those of a step, or None if one fails."""
+    """An ablation of an integrator at one n, on steps from one time on; costs are of a step, or None if one fails."""
 
     start: positive  # time of the state from which the timed steps start
     n: whole(2)
     integrator: text
-    rung: one_of(*RUNGS)
+    ablation: one_of(*ABLATIONS)
     step: positive
     tolerance: positive
     steps: whole(1)  # that are timed
@@ -101,39 +101,40 @@ class TwoThreads(NamedTuple):
 
 
 SCHEMA = Schema("scaling", Settings, {INTEGRATORS: Integrator, "points": Point, "rates": Rate, "memory": Memory,
-                                      "threads": TwoThreads}, later=(INTEGRATORS, "threads"))
+                                      "threads": TwoThreads}, later=(INTEGRATORS, "threads"),
+                renamed={"rung": "ablation"})
 
 
-# ---- rungs
+# ---- ablations
 
 
-def has_ideas(integrator):
-    """Tells whether an Integrator is of a family with ideas of its own, which are told apart outside the frame."""
-    return integrator.family in IDEAS and not integrator.co_rotating
+def has_own_parts(integrator):
+    """Tells whether an Integrator is of a family with parts of its own, which are told apart outside the frame."""
+    return integrator.family in PARTS and not integrator.co_rotating
 
 
-def ideas_of(integrator):
-    """Returns the ideas that the fast form of an Integrator has."""
-    return IDEAS.get(integrator.family, EXPLICIT_IDEAS if integrator.explicit else GAUSS_IDEAS)
+def parts_of(integrator):
+    """Returns the parts that the fast form of an Integrator has."""
+    return PARTS.get(integrator.family, EXPLICIT_PARTS if integrator.explicit else GAUSS_PARTS)
 
 
-def without(integrator, rung):
-    """Returns what the fast form of an Integrator goes without on a rung."""
-    return ideas_of(integrator) if rung == ANY else RUNGS[rung]
+def without(integrator, ablation):
+    """Returns what the fast form of an Integrator goes without on an ablation."""
+    return parts_of(integrator) if ablation == ANY else ABLATIONS[ablation]
 
 
-def rungs_of(integrator):
-    """Returns the rungs of an Integrator: all for a cell of Table 1 and for a family with ideas, BASIC for others.
+def ablations_of(integrator):
+    """Returns the ablations of an Integrator: all for a cell of Table 1 and for a family with parts, BASIC for others.
 
     ANY is left out where it is the same as BANDS.
     """
     if not integrator.has_fast_form:
         return (PUBLISHED,)
-    if integrator.name not in TABLE1_CELLS and not has_ideas(integrator):
+    if integrator.name not in TABLE1_CELLS and not has_own_parts(integrator):
         return BASIC
-    ideas = {*ideas_of(integrator)}
-    return tuple(rung for rung, gone in RUNGS.items()
-                 if gone is not GONE and {*gone} <= ideas and (rung != ANY or len(ideas) > 1))
+    parts = {*parts_of(integrator)}
+    return tuple(ablation for ablation, gone in ABLATIONS.items()
+                 if gone is not GONE and {*gone} <= parts and (ablation != ANY or len(parts) > 1))
 
 
 def lines_of(integrators):
@@ -146,12 +147,12 @@ def lines_of(integrators):
 
 
 class Scaling:
-    """A raw file, with its points by (start, n, integrator, rung)."""
+    """A raw file, with its points by (start, n, integrator, ablation)."""
 
     def __init__(self, study):
         """Throws UnusableFile for a study without points, or with costs that contradict each other."""
         self.context, self.settings = study.context, study.settings
-        self.points = keyed(study.tables["points"], "start", "n", "integrator", "rung")
+        self.points = keyed(study.tables["points"], "start", "n", "integrator", "ablation")
         self.identities = keyed(study.tables[INTEGRATORS], "name")
         self.lines = lines_of(self.identities.values())
         self.rates = keyed(study.tables["rates"], "n", "solver")
@@ -178,27 +179,27 @@ class Scaling:
     def integrators(self):
         return list(dict.fromkeys(name for _, _, name, _ in self.points))
 
-    def ratios(self, start, n, name, rung):
-        """Returns the times of a rung over those of the fast form, each within a round; none where one failed."""
-        theirs, ours = (self.points.get((start, n, name, each)) for each in (rung, FAST))
+    def ratios(self, start, n, name, ablation):
+        """Returns the times of an ablation over those of the fast form, each within a round; none where one failed."""
+        theirs, ours = (self.points.get((start, n, name, each)) for each in (ablation, FAST))
         return [first / second for first, second in zip(theirs.seconds, ours.seconds)] if theirs and ours else []
 
-    def gain(self, start, n, rung, names):
-        """Returns the geometric mean, over integrators, of a rung's time over the fast form's; None without any."""
-        found = [self.ratios(start, n, name, rung) for name in names]
+    def gain(self, start, n, ablation, names):
+        """Returns the geometric mean, over integrators, of an ablation's time over the fast form's, or None."""
+        found = [self.ratios(start, n, name, ablation) for name in names]
         medians = [statistics.median(each) for each in found if each]
         return statistics.geometric_mean(medians) if medians else None
 
     def share_of_products(self, point):
         """Returns the part of a step's time that its products take by themselves; None if that is not known."""
-        rate = self.rates.get((point.n, PUBLISHED if point.rung == PUBLISHED else FAST))
+        rate = self.rates.get((point.n, PUBLISHED if point.ablation == PUBLISHED else FAST))
         if not (rate and point.seconds):
             return None
         return point.equivalent_products * statistics.median(rate.seconds) / point.time
 
-    def line(self, start, name, rung):
+    def line(self, start, name, ablation):
         """Returns the points of a line against n that did not fail, the smallest n first."""
-        found = [self.points.get((start, n, name, rung)) for n in self.sizes(start)]
+        found = [self.points.get((start, n, name, ablation)) for n in self.sizes(start)]
         return [point for point in found if point and point.seconds]
 
     def singles(self):
@@ -235,8 +236,8 @@ def cells(forms=FORMULATIONS):
 
 
 def exponential(study):
-    """Returns the integrators of a study whose ideas are those of exponential methods; RKMK4 is one."""
-    return [name for name in study.integrators() if has_ideas(study.identities[name])]
+    """Returns the integrators of a study whose parts are those of exponential methods; RKMK4 is one."""
+    return [name for name in study.integrators() if has_own_parts(study.identities[name])]
 
 
 def lie_poisson(study):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from lib.programs.messages import UnusableFile, one_line
 from lib.records.formats import FORMULATIONS
 from lib.records.table_file import CellKey, Measurement, Run
-from lib.judging.verdicts import FEWEST, LEVEL, MARGIN, MOST, fastest, level_rows, ratio_of
+from lib.judging.verdicts import FEWEST, LEVEL, MARGIN, MAXIMUM, fastest, level_rows, ratio_of
 from lib.pages.document import Column, Entry, Heading, Items, Paragraph, Table, plain_table
 from lib.pages.numbers import MISSING, three_digits
 
@@ -160,8 +160,8 @@ def verdict_rules():
     """Says how ratios are judged."""
     return (f"Ratios are geometric means over processes, with their {LEVEL:.0%} interval (Student's t of the logarithms"
             f" of one ratio a process). Faster or slower: the whole interval is beyond {MARGIN}; tie: it lies within"
-            f" 1/{MARGIN} … {MARGIN}; otherwise undecided. At least {FEWEST} processes, up to {MOST} while anything at"
-            " that n is undecided.")
+            f" 1/{MARGIN} … {MARGIN}; otherwise undecided. At least {FEWEST} processes, up to {MAXIMUM} while anything"
+            " at that n is undecided.")
 
 
 def counters_section(comparison, columns):

@@ -108,7 +108,7 @@ def interval(found):
 def figures(runs):
     """Returns figures by key of some runs, a dict by code: ratios of rows at each s and n, and their range over n.
 
-    Keys are such as plain.s3.algebra_over_group.n129, and .least and .most over n in place of n129. There are also the
+    Keys are such as plain.s3.algebra_over_group.n129, and .min and .max over n in place of n129. There are also the
     ratios of the fastest rows, gain.s3.n129, the time of plain code over that of optimised code, and what a run took,
     such as plain.s3.group.products.n129.
     """
@@ -130,7 +130,7 @@ def figures_of(code, run):
             ratios = {f"n{n}": ratio_of(block[row], block[other]).ratio for n, block in times.items()
                       if {row, other} <= block.keys()}
             if ratios:
-                ratios |= {"least": min(ratios.values()), "most": max(ratios.values())}
+                ratios |= {"min": min(ratios.values()), "max": max(ratios.values())}
             found |= {f"{code}.s{stages}.{row}_over_{other}.{at}": ratio for at, ratio in ratios.items()}
     return found
 
@@ -140,4 +140,4 @@ def gains(plain, optimised, stages):
     blocks = ((n, plain.times(n, stages), optimised.times(n, stages)) for n in sizes(plain))
     found = {f"n{n}": ratio_of(slow[fastest(slow)], quick[fastest(quick)]).ratio for n, slow, quick in blocks
              if slow and quick}
-    return found | ({"least": min(found.values()), "most": max(found.values())} if found else {})
+    return found | ({"min": min(found.values()), "max": max(found.values())} if found else {})

@@ -1,6 +1,6 @@
 """Measures table1 or table2 in fresh processes, one matrix size each, until the verdicts are decided. Standard library.
 
-A process times the cells of its n in turns, in an order of its own. Further ones are started only for an n with an
+A process times the cells of its n interleaved, in an order of its own. Further ones are started only for an n with an
 undecided pair of rows, or an undecided claim. What a process gave is kept in a file of its own, so that an interrupted
 measurement goes on.
 """
@@ -16,7 +16,7 @@ from lib.programs.messages import UnusableFile, one_line
 from lib.programs.output import replace_file
 from lib.records.formats import parse_json, read_text, to_digits
 from lib.records.table_file import run_of
-from lib.judging.verdicts import FEWEST, MOST, more_processes
+from lib.judging.verdicts import FEWEST, MAXIMUM, more_processes
 from lib.running import fresh_process
 from studies.tables.judge import block_verdicts
 
@@ -33,7 +33,7 @@ class Plan(NamedTuple):
     tables: Tuple[str, ...]  # that the rows are named by, "table1" and "table2"
     sizes: Tuple[int, ...]
     arguments: Tuple[str, ...]  # of every process
-    least_time: float  # seconds that a repetition fills with runs
+    min_time: float  # seconds that a repetition fills with runs
     kept: str  # folder for what the processes gave
 
     @property
@@ -88,7 +88,7 @@ def one_process(plan, core, n, number, processes):
     raw, log = os.path.join(plan.kept, "running.json"), os.path.join(plan.kept, "log.txt")
     cold = n >= COLD_FROM
     command = [plan.program, *plan.arguments, f"--benchmark_filter=/n:{n}/", f"--benchmark_out={raw}",
-               f"--benchmark_min_time={plan.least_time}", f"--benchmark_repetitions={1 if cold else 3}",
+               f"--benchmark_min_time={plan.min_time}", f"--benchmark_repetitions={1 if cold else 3}",
                "--benchmark_enable_random_interleaving=true"]
     first = next((each[0] for each in processes.values() if each), None)
     if first:  # the backend is chosen once, so that all processes do the same work
@@ -181,7 +181,7 @@ def kept_path(plan, n, number):
 def identity(plan):
     """Returns what kept processes depend on: the program as it was built, and what it was asked."""
     built = os.stat(plan.program)
-    return [plan.program, built.st_size, built.st_mtime, list(plan.arguments), plan.least_time]
+    return [plan.program, built.st_size, built.st_mtime, list(plan.arguments), plan.min_time]
 
 
 def conditions(found):
@@ -212,7 +212,7 @@ class Progress:
         known = [sum(each) / len(each) for each in self.seconds.values()]
         left = (self.total - self.done) * sum(known) / len(known)
         say(f"[{self.done} of {self.total}] n = {n}, process {number}: {seconds:.1f} s, about {left:.0f} s left"
-            + (f" (at most {MOST} processes an n)" if number >= FEWEST else ""))
+            + (f" (at most {MAXIMUM} processes an n)" if number >= FEWEST else ""))
 
 
 def log_end(path, lines=5):

@@ -59,8 +59,8 @@ def gains_section(fast, published):
     columns = (Column("n"), Column("formulation", align="left"), *(Column(f"s = {stages}") for stages in STAGES))
     return [Heading("Table 1 over Table 2"),
             Paragraph("Time of the published form, with the faster library's products, over that of the fast form, both"
-                      " measured in turns: geometric means over processes with their interval. The last row of a block:"
-                      " the fastest published row over the fastest fast one."),
+                      " measured interleaved: geometric means over processes with their interval. The last row of a"
+                      " block: the fastest published row over the fastest fast one."),
             Table(columns, list(map(block, fast.sizes())))]
 
 

@@ -13,7 +13,7 @@ from lib.programs.places import BUILD
 from studies.tables.processes import Plan, measure
 
 SIZES, QUICK_SIZES = (17, 33, 65, 129), (17, 33)
-LEAST_TIME, QUICK_LEAST_TIME = 0.1, 0.05  # seconds that a repetition fills with runs
+MIN_TIME, QUICK_MIN_TIME = 0.1, 0.05  # seconds that a repetition fills with runs
 ARGUMENTS = {"table1": (), "table2": ("--published",)}
 TABLES = {"table1": ("table1",), "table2": ("table2", "table1")}
 
@@ -34,7 +34,7 @@ def main(arguments):
     # By its place in the project, where that is the working folder: the raw file names it.
     plan = Plan(os.path.join(os.path.relpath(BUILD), "benchmarks", options.table), TABLES[options.table],
                 sizes_of(options), (*ARGUMENTS[options.table], *references),
-                QUICK_LEAST_TIME if options.quick else LEAST_TIME, kept)
+                QUICK_MIN_TIME if options.quick else MIN_TIME, kept)
     document, status = measure(plan)
     rows = ",\n".join(json.dumps(row, separators=(",", ":")) for row in document["benchmarks"])
     text = f'{{"context": {json.dumps(document["context"], indent=1)},\n"benchmarks": [\n{rows}\n]}}\n'

@@ -107,7 +107,7 @@ def sweep_times(rows):
 def figures(found):
     """Returns the figures that pages may quote, by key, given the Findings.
 
-    cost.SCENE.sS.FORM-over-OTHER.least and .most are the ratio of two formulations' times, one of them group, over all
+    cost.SCENE.sS.FORM-over-OTHER.min and .max are the ratio of two formulations' times, one of them group, over all
     n and h. All scenes but the spin chain stand under others too, and these and the chain at one h under others.H and
     spin_chain.H.
     """
@@ -147,7 +147,7 @@ def cost_figures(ratios):
             key = f"cost.{over}.{key_part(each.method)}.{each.formulation}-over-{each.other}"
             spans.setdefault(key, []).append(each.ratio)
     return {f"{key}.{which}": of(values) for key, values in spans.items()
-            for which, of in (("least", min), ("most", max))}
+            for which, of in (("min", min), ("max", max))}
 
 
 def claim_figures(results):

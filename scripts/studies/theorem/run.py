@@ -2,7 +2,8 @@
 
 Runs on small matrices compare the formulations of the module; single steps of plain_forms.py, each with one thing
 changed, show what the theorem needs. Timed runs begin at the initial data of each scene. Each process on one core times
-all formulations of one scene, n and h in turns; lib/judging/verdicts.py says how many processes tell which is faster.
+all formulations of one scene, n and h, interleaved; lib/judging/verdicts.py says how many processes tell which is
+faster.
 """
 
 import contextlib
@@ -29,7 +30,7 @@ from studies.theorem.plan import (NORMS, QUICK_PROCESSES, QUICK_SIZES, SIZES, SM
 from studies.theorem.schema import (NOTHING, PARTITIONED, PRINTED_K, PRINTED_W, SCENES, SCHEMA, Coincidence, End,
                                     Settings, Timed)
 
-LEAST_SECONDS = 0.004  # of CPU time that a repetition fills with runs: 1e5 readings of the clock
+MIN_SECONDS = 0.004  # of CPU time that a repetition fills with runs: 1e5 readings of the clock
 ENDS_N, ENDS_STEP = 6, 0.3
 
 
@@ -152,14 +153,14 @@ def count(job):
 
 
 def time_block(block):
-    """Returns the CPU seconds of a step of each row, the median of repetitions in turns, in changing order.
+    """Returns the CPU seconds of a step of each row, the median of interleaved repetitions, in changing order.
 
     `process` of the block tells the orders of one process from those of another.
     """
     rows = [begun(block, name) for name in block["rows"]]
     shuffled, runs = random.Random(block["process"]), [1] * len(rows)
     if block["warm"]:
-        runs = [math.ceil(LEAST_SECONDS / max(integrator.timed_run(*start, repetitions=1)[0], 1e-6))
+        runs = [math.ceil(MIN_SECONDS / max(integrator.timed_run(*start, repetitions=1)[0], 1e-6))
                 for integrator, *start in rows]
     found = [[] for _ in rows]
     for _ in range(block["repetitions"]):
@@ -169,7 +170,7 @@ def time_block(block):
     return [statistics.median(each) / block["steps"] for each in found]
 
 
-def further_processes(most, seconds):
+def further_processes(maximum, seconds):
     """Returns how many further processes each row of a block wants, given its seconds by process so far.
 
     The rows of one method are compared with one another, and stop together.
@@ -177,7 +178,7 @@ def further_processes(most, seconds):
     wanted = {}
     for _, rows in itertools.groupby(seconds, lambda name: cells()[name].method):
         compared = {row: seconds[row] for row in rows}
-        wanted.update(dict.fromkeys(compared, verdicts.further_processes(most, compared, verdicts_on_pairs)))
+        wanted.update(dict.fromkeys(compared, verdicts.further_processes(maximum, compared, verdicts_on_pairs)))
     return wanted
 
 
@@ -189,12 +190,12 @@ def main(arguments):
     parser = program.parser("theorem", __doc__.splitlines()[0])
     parser.add_argument("--scene", choices=SCENES, nargs="+", action="extend", help="scenes (default: all)")
     parser.add_argument("--processes", type=whole_number(1, 100), help="that time a row at most; with fewer than"
-                        f" {verdicts.FEWEST} all is undecided (default: {verdicts.MOST}, quick {QUICK_PROCESSES})")
+                        f" {verdicts.FEWEST} all is undecided (default: {verdicts.MAXIMUM}, quick {QUICK_PROCESSES})")
     options = parser.parse_args(arguments)
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
     known = known_methods()
     scenes, names = options.scene or list(SCENES), options.integrator or list(known)
-    most = options.processes or (QUICK_PROCESSES if options.quick else verdicts.MOST)
+    maximum = options.processes or (QUICK_PROCESSES if options.quick else verdicts.MAXIMUM)
     for name in {*names} - {*known}:
         raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
 
@@ -211,7 +212,7 @@ def main(arguments):
     converging = [{**block, "rows": [row for row in block["rows"] if costs[row]["sweeps"]]}
                   for block, costs in zip(blocks, counts)]
     times = timed.by_processes(converging, partial(program.process_command, "theorem"),
-                               partial(further_processes, most), checkpoint, "timing")
+                               partial(further_processes, maximum), checkpoint, "timing")
     for block, costs, seconds in zip(blocks, counts, times):
         for row in block["rows"]:
             cell = cells()[row]

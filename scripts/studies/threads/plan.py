@@ -8,7 +8,7 @@ from lib.records.settings import LOOSE_EXPONENTIAL, TIGHT
 STEP, LONG_STEP = 0.1, 0.25  # of Table 1; of exponential methods, with which a step of 0.5 fails at n = 257
 FULL_STEPS = 257  # the largest n with these steps; at n = 1025 both fail in the first step from t = 0
 FEW, ONCE, ONCE_START = ("group2_frame", "elp4_frame"), 1025, 5.0
-LEAST_MEMORY = 4e9  # bytes that must be free for n = ONCE; the process that times it takes 1.9e9
+MIN_MEMORY = 4e9  # bytes that must be free for n = ONCE; the process that times it takes 1.9e9
 
 
 def long_step(integrator):
@@ -39,7 +39,7 @@ def free_memory():
 def affordable(sizes):
     """Returns sizes, the smallest first; without n = ONCE, which is told, where memory is short."""
     sizes = sorted(set(sizes))
-    if ONCE in sizes and free_memory() < LEAST_MEMORY:
-        say(f"n = {ONCE} is left out: it wants {LEAST_MEMORY / 1e9:g} GB of free memory")
+    if ONCE in sizes and free_memory() < MIN_MEMORY:
+        say(f"n = {ONCE} is left out: it wants {MIN_MEMORY / 1e9:g} GB of free memory")
         sizes.remove(ONCE)
     return sizes

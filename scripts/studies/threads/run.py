@@ -38,7 +38,7 @@ def blocks_of(entries, sizes, numbers):
 
 
 def effort_at(n):
-    found = next(effort for most, effort in EFFORTS.items() if n <= most)
+    found = next(effort for maximum, effort in EFFORTS.items() if n <= maximum)
     return dict(zip(("warmup", "steps", "repetitions"), found))
 
 
@@ -62,10 +62,10 @@ def results_of(printed, rows):
             for row in rows]
 
 
-def further_processes(most, found):
+def further_processes(maximum, found):
     """Returns how many further processes a block wants until each number is judged against the one below, by row."""
     seconds = {row: [each["seconds"] for each in results] for row, results in found.items()}
-    return dict.fromkeys(found, verdicts.further_processes(most, seconds, lambda times: [
+    return dict.fromkeys(found, verdicts.further_processes(maximum, seconds, lambda times: [
         verdicts.compared(more, fewer) for fewer, more in zip(times.values(), list(times.values())[1:])]))
 
 
@@ -103,7 +103,7 @@ def main(arguments):
     options = parser.parse_args(arguments)
     entries = entries_asked_for(options.integrator)
     sizes = affordable(options.n or (QUICK_SIZES if options.quick else SIZES))
-    most = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
+    maximum = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
     cores = os.sched_getaffinity(0)
     numbers = numbers_of(len(cores))
     built.program("threads")  # whether it is there, before any work
@@ -111,7 +111,7 @@ def main(arguments):
     checkpoint = Checkpoint("threads", options, partial(isosyrk.conditions, products="fastest",
                                                       sizes=sorted({min(n, 257) for n in sizes})))
     blocks = blocks_of(entries, sizes, numbers) if numbers else []
-    found = timed.by_processes(blocks, command_of, partial(further_processes, most), checkpoint, "threads", cores,
+    found = timed.by_processes(blocks, command_of, partial(further_processes, maximum), checkpoint, "threads", cores,
                                results_of)
     formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(SCENE, len(cores)), {
         INTEGRATORS: entries, "runs": [run for each in zip(blocks, found) for run in runs_of(*each)]})

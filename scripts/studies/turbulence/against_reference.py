@@ -8,11 +8,11 @@ import numpy
 
 from lib.records.integrators import KEPT, strongest_structure
 from lib.judging import verdicts
-from studies.turbulence.schema import PRACTICE, Ensemble, Quantity, bands_of
+from studies.turbulence.schema import BASELINE, Ensemble, Quantity, bands_of
 from studies.turbulence.statistics import Reference, Spreads, drifts_of, false_positives, reference_of, spreads_of
 
 INVARIANTS = ("energy", "enstrophy")
-TOLERANCE = 0.01  # relative: averages of energy and enstrophy that are off by more in some draw are not faithful
+TOLERANCE = 0.01  # relative: averages of energy and enstrophy that are off by more in some sample are not faithful
 
 
 class Judged(NamedTuple):
@@ -22,11 +22,11 @@ class Judged(NamedTuple):
     keeps: str  # strongest structure of the method, of KEPT
     products: float  # equivalent ones, a unit of time
     scores: Optional[dict] = None  # z by Quantity
-    changes: Optional[dict] = None  # of averages of INVARIANTS, relative, the mean over the draws
-    worst: Optional[dict] = None  # the largest of these, without sign, of a draw
+    changes: Optional[dict] = None  # of averages of INVARIANTS, relative, the mean over the samples
+    worst: Optional[dict] = None  # the largest of these, without sign, of a sample
     within_chance: bool = False  # the distance is at most the threshold
     faithful: bool = False
-    spectrum_error: Optional[float] = None  # at the end, the largest of the draws
+    spectrum_error: Optional[float] = None  # at the end, the largest of the samples
     times: Tuple[float, ...] = ()  # CPU seconds of one run to T, by process; none where no step was timed
 
     @property
@@ -50,7 +50,7 @@ class Judged(NamedTuple):
 
     @property
     def conserves(self):
-        """Tells whether energy and enstrophy are those of the initial data to TOLERANCE in every draw."""
+        """Tells whether energy and enstrophy are those of the initial data to TOLERANCE in every sample."""
         return bool(self.worst) and max(self.worst.values()) <= TOLERANCE
 
     def has(self, structure):
@@ -68,30 +68,30 @@ class Judgement(NamedTuple):
     spreads: Spreads
     drifts: dict  # Drift by Quantity, of bands
     judged: dict  # Judged by Setting
-    practice: Optional[Judged]
+    baseline: Optional[Judged]
 
     @property
     def decides(self):
-        """Tells whether there are draws enough for a verdict."""
+        """Tells whether there are samples enough for a verdict."""
         return len(self.reference.means) >= verdicts.FEWEST
 
     @property
     def is_stationary(self):
         return all(drift.is_stationary for drift in self.drifts.values())
 
-    def over_practice(self, judged):
-        """Returns the Ratio of the cost of a setting to that of the practice, or None where one is not known."""
-        if not (judged and judged.times and self.practice and self.practice.times):
+    def over_baseline(self, judged):
+        """Returns the Ratio of the cost of a setting to that of the baseline, or None where one is not known."""
+        if not (judged and judged.times and self.baseline and self.baseline.times):
             return None
-        return verdicts.ratio_of(judged.times, self.practice.times)
+        return verdicts.ratio_of(judged.times, self.baseline.times)
 
     def candidates(self, allowed):
-        """Returns the faithful settings of those that are allowed, but the practice, whose cost is known."""
+        """Returns the faithful settings of those that are allowed, but the baseline, whose cost is known."""
         return [each for each in self.judged.values() if each.faithful and each.times and allowed(each)
-                and each.ensemble.role != PRACTICE]
+                and each.ensemble.role != BASELINE]
 
     def cheapest(self, allowed=lambda judged: True):
-        """Returns the cheapest faithful setting of those that are allowed, but the practice, as Judged; or None."""
+        """Returns the cheapest faithful setting of those that are allowed, but the baseline, as Judged; or None."""
         return min(self.candidates(allowed), key=lambda each: each.seconds, default=None)
 
     def level_with_cheapest(self, allowed=lambda judged: True):
@@ -118,19 +118,19 @@ def judgement_of(study, n):
                             for near, far in zip(study.references[n], study.far[n])])
     judged = {setting: judged_of(study, n, ensemble, quantities, reference)
               for setting, ensemble in study.ensembles[n].items()}
-    practice = study.practice(n)
+    baseline = study.baseline(n)
     return Judgement(quantities, reference, false_positives(*right),
                     tuple(reference.distance(far[:, ensemble]) for ensemble in range(far.shape[1])), spreads,
-                    dict(zip(quantities, drifts_of(energies))), judged, practice and judged[practice.setting])
+                    dict(zip(quantities, drifts_of(energies))), judged, baseline and judged[baseline.setting])
 
 
 def values_of(runs):
-    """Returns the quantities of runs by draw and ensemble: the logarithms of the bands' energies, and decorrelations.
+    """Returns the quantities of runs by sample and ensemble: the logarithms of the bands' energies, and decorrelations.
 
-    The array is draws × ensembles × quantities.
+    The array is samples × ensembles × quantities.
     """
-    return numpy.array([[[*numpy.log(numpy.mean(run.bands, axis=0)), *run.decorrelations] for run in draw]
-                        for draw in runs])
+    return numpy.array([[[*numpy.log(numpy.mean(run.bands, axis=0)), *run.decorrelations] for run in sample]
+                        for sample in runs])
 
 
 def quantities_of(study, n):
@@ -140,7 +140,7 @@ def quantities_of(study, n):
 
 
 def judged_of(study, n, ensemble, quantities, reference):
-    """Returns one setting as Judged; none is faithful by few draws."""
+    """Returns one setting as Judged; none is faithful by few samples."""
     setting, cost = ensemble.setting, study.cost(n, ensemble.setting)
     keeps = strongest_structure(study.integrators[setting.integrator])
     products = statistics.fmean(run.products for run in ensemble.runs)
@@ -163,6 +163,6 @@ def steps_to(time, step):
 
 
 def methods_of(found):
-    """Returns the integrators with settings that are not the practice."""
+    """Returns the integrators with settings that are not the baseline."""
     return list(dict.fromkeys(setting.integrator for setting, judged in found.judged.items()
-                              if judged.ensemble.role != PRACTICE))
+                              if judged.ensemble.role != BASELINE))

@@ -23,7 +23,7 @@ def cheapest_faithful(study, found):
     `found` are its Judgements by n. Methods stand below what they keep, the cheapest first; where none of the settings
     that were tried is faithful, that is written. None where no n has a faithful setting whose cost is known.
     """
-    found = {n: each for n, each in found.items() if each.over_practice(each.cheapest())}
+    found = {n: each for n, each in found.items() if each.over_baseline(each.cheapest())}
     if not found:
         return None
     rows = {n: rows_of(study, each) for n, each in found.items()}
@@ -41,7 +41,7 @@ def cheapest_faithful(study, found):
                 axes.text(0.003, place, f"{name_with_order(study.integrators[name])}: no setting that was tried is"
                           " faithful", va="center", color="0.4")
             else:
-                draw_bar(axes, study.integrators[name], place, judgement.over_practice(best), best.setting)
+                draw_bar(axes, study.integrators[name], place, judgement.over_baseline(best), best.setting)
         axes.yaxis.set_major_locator(NullLocator())
         axes.spines["left"].set_visible(False)
     panels[0].set_xlim(left=0)
@@ -93,7 +93,7 @@ def title_of(study, found):
 def setting_text(study, judgement, best):
     """Returns the method of a setting, and its cost over the baseline's."""
     return (name_with_order(study.integrators[best.setting.integrator]),
-            two_digits(judgement.over_practice(best).ratio))
+            two_digits(judgement.over_baseline(best).ratio))
 
 
 # ---- energies
@@ -114,8 +114,9 @@ def band_energies(study, found):
     for axes, (n, settings) in zip(panels, told.items()):
         bands = list(found[n].drifts)
         places = range(len(bands))
-        least = [found[n].reference.threshold * chance for chance in found[n].reference.chance[:len(bands)]]
-        axes.bar(places, [200 * each for each in least], 0.9, [-100 * each for each in least], color="0.88", zorder=0)
+        unseen = [found[n].reference.threshold * chance for chance in found[n].reference.chance[:len(bands)]]
+        heights, lower_ends = [200 * each for each in unseen], [-100 * each for each in unseen]
+        axes.bar(places, heights, 0.9, lower_ends, color="0.88", zorder=0)
         axes.axhline(0, color="0.6", linewidth=0.8)
         ends = []
         for judged, label in zip(settings, labels[n]):
@@ -132,9 +133,9 @@ def band_energies(study, found):
     panels[0].set(ylabel="energy, change from the reference in %", ylim=(-highest, highest))
     for axes in panels:
         label_ends(axes, axes.ends)
-    note(figure, "Averages over T/2 … T, mean over the draws, of the cheapest faithful setting, the cheapest that keeps"
-         " the Lie–Poisson structure, and the one furthest off. Grey: what chance explains; a faithful setting stays"
-         f" within it in every band. Lighter where a method keeps less at its tolerance. {KEEPING}")
+    note(figure, "Averages over T/2 … T, mean over the samples, of the cheapest faithful setting, the cheapest that"
+         " keeps the Lie–Poisson structure, and the one furthest off. Grey: what chance explains; a faithful setting"
+         f" stays within it in every band. Lighter where a method keeps less at its tolerance. {KEEPING}")
     return figure
 
 
@@ -148,7 +149,7 @@ def examples(judgement):
 
 
 def changes_of(judgement, judged):
-    """Returns the relative change of the energy in each band from the reference's, the mean over the draws."""
+    """Returns the relative change of the energy in each band from the reference's, the mean over the samples."""
     return [math.exp(judged.scores[band] * chance) - 1
             for band, chance in zip(judgement.drifts, judgement.reference.chance)]
 

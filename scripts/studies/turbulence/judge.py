@@ -6,14 +6,14 @@ from lib.records.formats import finite, keyed, list_of, number, one_of, optional
 from lib.records.integrators import KEPT
 from lib.judging import verdicts
 from lib.pages.numbers import power
-from studies.turbulence.schema import LOOSE, PRACTICE
+from studies.turbulence.schema import LOOSE, BASELINE
 
 
 class Trust(NamedTuple):
     """How far what is judged at one n is to be trusted."""
 
     n: whole(2)
-    draws: whole(1)
+    samples: whole(1)
     time: positive  # T of a run
     references: whole(1)  # ensembles
     far: whole(1)
@@ -23,7 +23,7 @@ class Trust(NamedTuple):
     spread: number  # of reference runs over that of far runs, all quantities together, with its 95 % interval
     spread_low: number
     spread_high: number
-    are_independent: truth  # reference runs of one draw
+    are_independent: truth  # reference runs of one sample
     is_stationary: truth
     reference_error: number
     reference_energy_error: number
@@ -31,8 +31,8 @@ class Trust(NamedTuple):
 
     @property
     def decides(self):
-        """Tells whether there are draws enough for a verdict: each is one history of the flow."""
-        return self.draws >= verdicts.FEWEST
+        """Tells whether there are samples enough for a verdict: each is one history of the flow."""
+        return self.samples >= verdicts.FEWEST
 
 
 class Precision(NamedTuple):
@@ -43,7 +43,7 @@ class Precision(NamedTuple):
     highest: whole(1)
     lag: optional(positive)  # units of time, after which one l is decorrelated; None for a band
     deviation: number  # of one run; relative for bands
-    least: number  # mean difference over the draws at which a setting is no longer within chance
+    minimum: number  # mean difference over the samples at which a setting is no longer within chance
     spread: number  # of reference runs over that of far runs, with its 95 % interval
     spread_low: number
     spread_high: number
@@ -52,7 +52,7 @@ class Precision(NamedTuple):
 
 
 class SettingResult(NamedTuple):
-    """What became of a setting at one n; where a draw was lost, only what stands before `within_chance` is known."""
+    """What became of a setting at one n; where a sample was lost, only what stands before `within_chance` is known."""
 
     n: whole(2)
     integrator: text
@@ -61,8 +61,8 @@ class SettingResult(NamedTuple):
     keeps: one_of(*KEPT)  # strongest structure of the method
     step: positive
     tolerance: positive
-    is_practice: truth
-    failed: whole()  # draws that were lost
+    is_baseline: truth
+    failed: whole()  # samples that were lost
     capped: whole()  # of these by the sweep cap
     first_lost: optional(number)  # time at which the first and the last of them was lost
     last_lost: optional(number)
@@ -71,15 +71,15 @@ class SettingResult(NamedTuple):
     within_chance: optional(truth) = None
     distance: optional(number) = None  # the largest |z|
     scores: optional(list_of(finite)) = None  # z of each quantity in the order of `precision`
-    energy: optional(finite) = None  # averages, relative to the initial value, less 1: the mean over the draws
+    energy: optional(finite) = None  # averages, relative to the initial value, less 1: the mean over the samples
     enstrophy: optional(finite) = None
-    energy_worst: optional(number) = None  # the largest of a draw, without sign
+    energy_worst: optional(number) = None  # the largest of a sample, without sign
     enstrophy_worst: optional(number) = None
-    spectrum_error: optional(number) = None  # at the end, the largest of the draws
+    spectrum_error: optional(number) = None  # at the end, the largest of the samples
     seconds: optional(positive) = None  # CPU time of a run; None where no step was timed
-    over_practice: optional(positive) = None  # seconds over those of the practice; its interval needs enough processes
-    over_practice_low: optional(positive) = None
-    over_practice_high: optional(positive) = None
+    over_baseline: optional(positive) = None  # seconds over those of the baseline; its interval needs enough processes
+    over_baseline_low: optional(positive) = None
+    over_baseline_high: optional(positive) = None
 
 
 CHEAPEST = "cheapest"
@@ -117,8 +117,8 @@ def findings(study, judgements):
 
 def trust(study, n, judgement):
     size, spreads = study.sizes[n], judgement.spreads
-    runs = [run for draw in study.references[n] for run in draw]
-    return Trust(n, size.draws, size.time, size.references, size.far, judgement.reference.threshold,
+    runs = [run for sample in study.references[n] for run in sample]
+    return Trust(n, size.samples, size.time, size.references, size.far, judgement.reference.threshold,
                  judgement.false_positives, max(judgement.far_distances), *map(float, (
                      spreads.ratio[-1], spreads.low[-1], spreads.high[-1])), bool(spreads.are_independent),
                  judgement.is_stationary, size.reference_error, max(run.energy_error for run in runs),
@@ -138,9 +138,9 @@ def precisions(n, judgement):
 
 def setting_result(study, n, judgement, judged):
     setting, ensemble, integrator = judged.setting, judged.ensemble, study.integrators[judged.setting.integrator]
-    lost, over = [run.time for run in ensemble.lost], judgement.over_practice(judged)
+    lost, over = [run.time for run in ensemble.lost], judgement.over_baseline(judged)
     found = SettingResult(n, integrator.name, integrator.order, integrator.family, judged.keeps, setting.step,
-                          setting.tolerance, ensemble.role == PRACTICE, ensemble.failed, ensemble.capped,
+                          setting.tolerance, ensemble.role == BASELINE, ensemble.failed, ensemble.capped,
                           min(lost, default=None), max(lost, default=None), judged.products, bool(judged.faithful))
     if not ensemble.works:
         return found
@@ -148,9 +148,9 @@ def setting_result(study, n, judgement, judged):
                            scores=list(judged.scores.values()), **judged.changes,
                            **{f"{name}_worst": each for name, each in judged.worst.items()},
                            spectrum_error=judged.spectrum_error, seconds=judged.seconds,
-                           over_practice=over and over.ratio)
+                           over_baseline=over and over.ratio)
     if over and over.processes >= verdicts.FEWEST:
-        found = found._replace(over_practice_low=over.low, over_practice_high=over.high)
+        found = found._replace(over_baseline_low=over.low, over_baseline_high=over.high)
     return found
 
 
@@ -190,7 +190,7 @@ def figures(found):
 
 
 def trust_figures(trusted):
-    return {"draws": trusted.draws, "time": trusted.time, "references": trusted.references, "far": trusted.far,
+    return {"samples": trusted.samples, "time": trusted.time, "references": trusted.references, "far": trusted.far,
             "threshold": trusted.threshold, "false_positives": trusted.false_positives,
             "far.distance": trusted.far_distance, "independent": trusted.spread,
             "independent_low": trusted.spread_low, "independent_high": trusted.spread_high,
@@ -204,7 +204,7 @@ def key_of_quantity(found):
 
 
 def precision_figures(found):
-    names = {"deviation": "deviation", "least": "least", "spread": "spread", "spread_low": "spread_low",
+    names = {"deviation": "deviation", "minimum": "min", "spread": "spread", "spread_low": "spread_low",
              "spread_high": "spread_high", "drift": "quarters", "drift_score": "quarters_score"}
     return [(f"{key_of_quantity(found)}.{key}", getattr(found, name)) for name, key in names.items()]
 
@@ -212,9 +212,9 @@ def precision_figures(found):
 def setting_figures(result, precisions_at):
     """Returns the figures of one setting as (key, value), given the Precisions at its n.
 
-    Those of the practice begin with practice. lost.SETTING counts the lost draws, and says when.
+    Those of the baseline begin with baseline. lost.SETTING counts the lost samples, and says when.
     """
-    start, key = ("practice" if result.is_practice else key_of(result)), key_of(result)
+    start, key = ("baseline" if result.is_baseline else key_of(result)), key_of(result)
     found = [(f"{start}.{name}", getattr(result, name)) for name in (
         "products", "distance", "seconds", "spectrum_error", "energy", "enstrophy", "energy_worst", "enstrophy_worst")]
     found += [(f"{start}.{name}", int(getattr(result, name))) for name in ("failed", "capped", "faithful")]
@@ -222,11 +222,11 @@ def setting_figures(result, precisions_at):
         found.append((f"{start}.within_chance", int(result.within_chance)))
     found += [(f"{start}.{key_of_quantity(each)}.score", score)
               for each, score in zip(precisions_at, result.scores or ())]
-    found += cost_figures(f"{start}.over_practice", result)
-    if result.is_practice:
-        found.append(("practice.step", result.step))
+    found += cost_figures(f"{start}.over_baseline", result)
+    if result.is_baseline:
+        found.append(("baseline.step", result.step))
     if result.failed:
-        found += [(f"lost.{key}.draws", result.failed), (f"lost.{key}.first", result.first_lost),
+        found += [(f"lost.{key}.samples", result.failed), (f"lost.{key}.first", result.first_lost),
                   (f"lost.{key}.last", result.last_lost)]
     return found
 
@@ -237,25 +237,25 @@ def key_of(setting):
 
 
 def cost_figures(key, result):
-    """Returns the cost of a setting over the practice's as (key, value): KEY, KEY_low and KEY_high."""
-    return [(key, result.over_practice), (f"{key}_low", result.over_practice_low),
-            (f"{key}_high", result.over_practice_high)]
+    """Returns the cost of a setting over the baseline's as (key, value): KEY, KEY_low and KEY_high."""
+    return [(key, result.over_baseline), (f"{key}_low", result.over_baseline_low),
+            (f"{key}_high", result.over_baseline_high)]
 
 
 def method_figures(settings):
-    """Returns what the cheapest faithful setting of each method is and costs, by key; the practice is none of them."""
+    """Returns what the cheapest faithful setting of each method is and costs, by key; the baseline is none of them."""
     found = {}
     for each in settings:
-        if each.faithful and each.seconds and not each.is_practice:
+        if each.faithful and each.seconds and not each.is_baseline:
             found[each.integrator] = min(found.get(each.integrator, each), each, key=lambda one: one.seconds)
     return {f"cheapest_of.{name}.{key}": value for name, best in found.items() for key, value in (
-        ("step", best.step), ("products", best.products), *cost_figures("over_practice", best))}
+        ("step", best.step), ("products", best.products), *cost_figures("over_baseline", best))}
 
 
 def leader_figures(leading, settings):
     """Returns the figures of the cheapest faithful settings, by what a method keeps.
 
-    START.tie.SETTING is the cost over the practice's of each setting that ties with it, START.undecided counts those
+    START.tie.SETTING is the cost over the baseline's of each setting that ties with it, START.undecided counts those
     that are not decided against it.
     """
     results, found = keyed(settings, "integrator", "step", "tolerance"), {}
@@ -264,13 +264,13 @@ def leader_figures(leading, settings):
         result = results[leader.integrator, leader.step, leader.tolerance]
         if leader.standing == CHEAPEST:
             found |= {f"{start}.{key}.seconds": result.seconds, f"{start}.{key}.products": result.products,
-                      **dict(cost_figures(f"{start}.{key}.over_practice", result)),
-                      **{f"{start}.{key}.practice_over{end}": over and 1 / over for end, over in (
-                          ("", result.over_practice), ("_low", result.over_practice_high),
-                          ("_high", result.over_practice_low))},
+                      **dict(cost_figures(f"{start}.{key}.over_baseline", result)),
+                      **{f"{start}.{key}.baseline_over{end}": over and 1 / over for end, over in (
+                          ("", result.over_baseline), ("_low", result.over_baseline_high),
+                          ("_high", result.over_baseline_low))},
                       f"{start}.ties": 0, f"{start}.undecided": 0}
         elif leader.standing == verdicts.TIE:
-            found |= cost_figures(f"{start}.tie.{key}.over_practice", result)
+            found |= cost_figures(f"{start}.tie.{key}.over_baseline", result)
             found[f"{start}.ties"] += 1
         else:
             found[f"{start}.undecided"] += 1

@@ -8,7 +8,7 @@ from lib.programs.messages import one_line
 from lib.records.integrators import chosen
 from lib.running import built
 from studies.turbulence import single_runs as runs
-from studies.turbulence.schema import LOOSE, METHOD, PRACTICE, PRACTICE_INTEGRATOR, PRACTICE_SHARE, Setting
+from studies.turbulence.schema import LOOSE, METHOD, BASELINE, BASELINE_INTEGRATOR, BASELINE_SHARE, Setting
 
 SIZES, QUICK_SIZES = (33, 65), (33,)
 # More accurate than all that is judged by it: its energy is off by 1e-11 at n = 33, T = 1000.
@@ -38,7 +38,7 @@ QUICK_STEPS = {"algebra1": (0.5, 1.0), "elp4": (0.5, 1.0), "rk4": (0.25, 0.5), "
 class Plan(NamedTuple):
     """What is run at an n."""
 
-    draws: int
+    samples: int
     references: int  # ensembles
     far: int  # ensembles
     time: float
@@ -64,7 +64,7 @@ def with_new(steps):
 def plan_of(n, quick):
     """Returns the Plan at an n. Steps are half as long from one of n = 33, 65, 129 … to the next."""
     if quick:
-        return Plan(draws=3, references=3, far=4, time=100.0, steps=with_new(QUICK_STEPS), ladder={})
+        return Plan(samples=3, references=3, far=4, time=100.0, steps=with_new(QUICK_STEPS), ladder={})
     shorter = 2 ** max(0, round(math.log2((n - 1) / (SMALL_N - 1))))
     steps = with_new({name: tuple(step / shorter for step in each) for name, each in STEPS.items()})
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
@@ -74,8 +74,8 @@ def plan_of(n, quick):
 
 
 def settings_of(n, plan, names):
-    """Returns the settings at an n with their roles, as (role, Setting). The practice is always among them."""
-    found = [(PRACTICE, Setting(PRACTICE_INTEGRATOR, PRACTICE_SHARE * 2 / (n * (n - 1)) ** 0.5, LOOSE))]
+    """Returns the settings at an n with their roles, as (role, Setting). The baseline is always among them."""
+    found = [(BASELINE, Setting(BASELINE_INTEGRATOR, BASELINE_SHARE * 2 / (n * (n - 1)) ** 0.5, LOOSE))]
     for name in names:
         found += [(METHOD, Setting(name, step, LOOSE)) for step in plan.steps.get(name, ())]
         found += [(METHOD, Setting(name, *plan.ladder[name]))] if name in plan.ladder else []
@@ -93,8 +93,8 @@ def names_of(wanted):
 
 def sizes_of(wanted):
     """Returns the sizes to run at. Throws Stop for one that is too small for the modes."""
-    least = runs.DEGREES[-1] + 1
+    minimum = runs.DEGREES[-1] + 1
     for n in wanted:
-        if n < least:
-            raise Stop(f"--n {n}: must be at least {least}, for modes up to l = {least - 1}")
+        if n < minimum:
+            raise Stop(f"--n {n}: must be at least {minimum}, for modes up to l = {minimum - 1}")
     return sorted(set(wanted))

@@ -10,12 +10,12 @@ from studies.tables.comparison import ratio_text
 from studies.turbulence.against_reference import INVARIANTS, TOLERANCE, judgement_of, methods_of
 from studies.turbulence.judge import figures, findings
 from studies.turbulence.schema import LOOSE, QUARTERS, read_turbulence
-from studies.turbulence.statistics import COUNT, LEAST_SPREAD, LEVEL, TRIALS
+from studies.turbulence.statistics import COUNT, MIN_SPREAD, LEVEL, TRIALS
 
 KEEPING = {**KEPT, next(iter(KEPT)): "any"}  # what is asked of a method, the least first
 CHARTS = (
     ("cheapest_faithful", "CPU time of the cheapest faithful setting of each method over that of the baseline, which"
-     " tables call the practice. Methods stand below what they keep."),
+     " tables call the baseline. Methods stand below what they keep."),
     ("band_energies", "Energy in bands of degrees l against that of the reference: of the cheapest faithful setting,"
      " the cheapest that keeps the Lie–Poisson structure, and the one that is furthest off. Grey: chance."),
 )
@@ -28,12 +28,12 @@ def turbulence_sections(study, found, charts):
         Heading("Statistics of turbulence, and what they cost", 1),
         Paragraph(f"Do runs to {times} with other methods, longer steps or looser tolerances have the same statistics"
                   " over T/2 … T? An ensemble is faithful if no quantity is further from the reference than chance"
-                  " explains, no draw is lost, and energy and enstrophy of every draw average to the initial values"
+                  " explains, no sample is lost, and energy and enstrophy of every sample average to the initial values"
                   f" within {TOLERANCE:.0%}. Nothing follows for longer runs."),
         *shown(CHARTS, charts),
         Heading("The cheapest faithful settings"),
         Paragraph("Of all methods, of those that keep the spectrum, and of Lie–Poisson methods. Times are those of one"
-                  f" run to {times}. The practice: isospectral midpoint rule, h = ħ/4, tolerance 1e-8, fast form."
+                  f" run to {times}. The baseline: isospectral midpoint rule, h = ħ/4, tolerance 1e-8, fast form."
                   f" Products are equivalent ones, a unit of time. Tie: within {MARGIN - 1:.0%}; undecided: the"
                   " interval holds a bound of that, or there are too few processes."),
         cheapest_table(study, found),
@@ -68,7 +68,7 @@ def cheapest_table(study, found):
 
 
 SETTING_COLUMNS = (Column("integrator", align="left"), Column("h"), Column("tolerance"), Column("products"),
-                   Column("CPU seconds"), Column("over the practice"), Column("largest |z|"))
+                   Column("CPU seconds"), Column("over the baseline"), Column("largest |z|"))
 
 
 def gauss_table(study, found):
@@ -94,7 +94,7 @@ def head_cells(judged):
 def setting_cells(judgement, judged):
     if judged is None:
         return [MISSING] * len(SETTING_COLUMNS)
-    return [*head_cells(judged), three_digits(judged.seconds), ratio_text(judgement.over_practice(judged)),
+    return [*head_cells(judged), three_digits(judged.seconds), ratio_text(judgement.over_baseline(judged)),
             two_digits(judged.distance)]
 
 
@@ -111,10 +111,10 @@ def size_sections(study, n, judgement):
         blocks.setdefault((judged.ensemble.role, judged.setting.integrator), []).append(setting_row(judgement, judged))
     return [
         Heading(f"Every setting, n = {n}, T = {size.time:g}"),
-        Paragraph(f"{size.draws} draws. Within chance, and bold: a largest |z| of at most"
+        Paragraph(f"{size.samples} samples. Within chance, and bold: a largest |z| of at most"
                   f" {two_digits(judgement.reference.threshold)}. Energy, enstrophy: change of the average from the"
-                  f" initial value, the mean over the draws; bold where it is within {TOLERANCE:.0%} in every draw."
-                  " Spectrum: the largest error of an eigenvalue at the end. The first block is the practice."),
+                  f" initial value, the mean over the samples; bold where it is within {TOLERANCE:.0%} in every sample."
+                  " Spectrum: the largest error of an eigenvalue at the end. The first block is the baseline."),
         *limited_paragraphs(judgement),
         Table(columns, list(blocks.values())),
     ]
@@ -122,17 +122,17 @@ def size_sections(study, n, judgement):
 
 def setting_row(judgement, judged):
     if not judged.ensemble.works:
-        lost = f"no: {judged.ensemble.failed} of {len(judged.ensemble.runs)} draws lost"
+        lost = f"no: {judged.ensemble.failed} of {len(judged.ensemble.runs)} samples lost"
         return [*map(Entry, head_cells(judged)), *[Entry(MISSING)] * 7, Entry(lost)]
     return [*map(Entry, head_cells(judged)), Entry(MISSING if judged.seconds is None else three_digits(judged.seconds)),
-            Entry(ratio_text(judgement.over_practice(judged))),
+            Entry(ratio_text(judgement.over_baseline(judged))),
             Entry(two_digits(judged.distance), judged.within_chance), Entry(quantity_text(judged.largest)),
             *(Entry(signed(judged.changes[name]), judged.worst[name] <= TOLERANCE) for name in INVARIANTS),
             Entry(scientific(judged.spectrum_error)), Entry(verdict_text(judgement, judged), judged.faithful)]
 
 
 def verdict_text(judgement, judged):
-    """Writes whether a setting without a lost draw is faithful, or what is not: "no: statistics, energy"."""
+    """Writes whether a setting without a lost sample is faithful, or what is not: "no: statistics, energy"."""
     if not judgement.decides:
         return "not judged"
     off = ["statistics"] * (not judged.within_chance)
@@ -154,7 +154,7 @@ def signed(change):
 def limited_paragraphs(judgement):
     """Says where nothing is judged, and where another spread than that of reference runs counts."""
     if not judgement.decides:
-        return [Paragraph(f"Nothing is judged here: there are fewer than {FEWEST} draws.")]
+        return [Paragraph(f"Nothing is judged here: there are fewer than {FEWEST} samples.")]
     if judgement.spreads.are_independent:
         return []
     return [Paragraph("Reference runs that begin close to each other share a history here: they spread less than those"
@@ -163,21 +163,21 @@ def limited_paragraphs(judgement):
 
 
 def lost_parts(study):
-    """Returns the table of the draws that lost a run: none if there are none."""
+    """Returns the table of the samples that lost a run: none if there are none."""
     rows = [[str(n), ensemble.setting.integrator, f"{ensemble.setting.step:.3g}", f"{ensemble.setting.tolerance:g}",
              f"{ensemble.failed} of {len(ensemble.runs)}",
              ", ".join(dict.fromkeys(run.status for run in ensemble.lost)),
-             ", ".join(f"{run.draw} at {run.time:.3g}" for run in ensemble.lost)]
+             ", ".join(f"{run.sample} at {run.time:.3g}" for run in ensemble.lost)]
             for n, ensembles in study.ensembles.items() for ensemble in ensembles.values() if ensemble.lost]
     if not rows:
         return []
     return [Heading("Draws that were lost"),
             Paragraph(f"By the solver, or unstable: not finite, or the energy off by {study.settings.energy_loss:.0%}."
                       f" Sweep cap: a step took more than {study.settings.max_sweeps} sweeps, which would be expensive;"
-                      " with the default cap of 1000 such a run may go on. A setting that loses a draw is not"
+                      " with the default cap of 1000 such a run may go on. A setting that loses a sample is not"
                       " faithful."),
             plain_table((Column("n"), Column("integrator", align="left"), Column("h"), Column("tolerance"),
-                         Column("lost"), Column("how", align="left"), Column("draw and t", align="left")), rows)]
+                         Column("lost"), Column("how", align="left"), Column("sample and t", align="left")), rows)]
 
 
 # ---- how far to trust it
@@ -189,22 +189,22 @@ def trust_parts(study, found):
     moving = [n for n, judgement in found.items() if not judgement.is_stationary]
     return [
         Paragraph(f"False positives: the share of {TRIALS} right ensembles that are called wrong, {1 - LEVEL:.0%} is"
-                  " expected. Each takes one run of each draw, chosen at random from all reference and far runs, and is"
-                  " judged by others of them, with a threshold found anew; from far runs alone where reference runs"
+                  " expected. Each takes one run of each sample, chosen at random from all reference and far runs, and"
+                  " is judged by others of them, with a threshold found anew; from far runs alone where reference runs"
                   " share a history. So a few of the settings that are right are called unfaithful by chance. Far: the"
                   " largest |z| of each far ensemble."),
         trust_table(study, found),
         Paragraph(f"Independence: reference ensembles begin {settings.displacement:g} apart, far ones"
                   f" {settings.far_displacement:g}, along the coadjoint orbit, at constant energy. The spread of"
-                  " reference runs of one draw over that of far runs, with its 95 % interval over resampled draws: it"
-                  " is 1 where the distance at the start is forgotten, and smaller where runs share a history. They are"
-                  f" taken to share one unless the interval of all quantities together begins at {LEAST_SPREAD:g} or"
+                  " reference runs of one sample over that of far runs, with its 95 % interval over resampled samples:"
+                  " it is 1 where the distance at the start is forgotten, and smaller where runs share a history. They"
+                  f" are taken to share one unless the interval of all quantities together begins at {MIN_SPREAD:g} or"
                   " above; then the spread of far runs counts, with the reference's means. Deviation: of one run that"
-                  " counts, relative for bands. Least: the mean difference over the draws at which |z|"
+                  " counts, relative for bands. Minimum: the mean difference over the samples at which |z|"
                   " reaches the threshold; what is wrong by less passes."),
         spread_table(found),
         Paragraph("Stationarity: the change of a band's energy from the first to the last quarter of T/2 … T, by all"
-                  " reference and far runs; in brackets over its standard error by draws. Bold: beyond chance, at 5 %"
+                  " reference and far runs; in brackets over its standard error by samples. Bold: beyond chance, at 5 %"
                   " over all bands of an n." + transient_text(study, moving)),
         drift_table(found),
     ]
@@ -220,10 +220,10 @@ def transient_text(study, moving):
 
 
 def trust_table(study, found):
-    rows = [[str(n), f"{size.time:g}", str(size.draws), str(size.references), str(size.far),
+    rows = [[str(n), f"{size.time:g}", str(size.samples), str(size.references), str(size.far),
              two_digits(found[n].reference.threshold), percentage(found[n].false_positives),
              ", ".join(map(two_digits, found[n].far_distances))] for n, size in study.sizes.items()]
-    return plain_table((Column("n"), Column("T"), Column("draws"), Column("reference ensembles"),
+    return plain_table((Column("n"), Column("T"), Column("samples"), Column("reference ensembles"),
                         Column("far ensembles"), Column("threshold of |z|"), Column("false positives"),
                         Column("far")), rows)
 
@@ -232,13 +232,13 @@ def spread_table(found):
     rows = []
     for n, judgement in found.items():
         spreads, reference = judgement.spreads, judgement.reference
-        least = reference.threshold * reference.chance
+        minimum = reference.threshold * reference.chance
         for place, name in enumerate((*map(quantity_text, judgement.quantities), "all")):
-            own = [percentage(each[place]) if place < len(least) else MISSING
-                   for each in (reference.deviations, least)]
+            own = [percentage(each[place]) if place < len(minimum) else MISSING
+                   for each in (reference.deviations, minimum)]
             rows.append([str(n), name, *own, two_digits(spreads.ratio[place]),
                          f"{two_digits(spreads.low[place])}–{two_digits(spreads.high[place])}"])
-    return plain_table((Column("n"), Column("quantity", align="left"), Column("deviation"), Column("least"),
+    return plain_table((Column("n"), Column("quantity", align="left"), Column("deviation"), Column("minimum"),
                         Column("spread over that of far runs"), Column("95 %")), rows)
 
 
@@ -267,23 +267,23 @@ def how_parts(study, times):
         Paragraph(f"Initial data: modes l = {settings.lowest_degree} … {settings.highest_degree}, complex coefficients"
                   " of equal variance by a seeded generator, real where m = 0, the same at every n; then ‖W₀‖₂ = 1."
                   " They have no part with l = 1, so the co-rotating frame changes nothing."),
-        Paragraph("The reference, by a method whose change by h/2 is that of W(20) of the first draw, relative:"),
+        Paragraph("The reference, by a method whose change by h/2 is that of W(20) of the first sample, relative:"),
         reference_table(study),
         Paragraph("Quantities: the logarithm of the energy in each band of degrees l, averaged over T/2 … T, and the"
                   f" decorrelation of the coefficients with l = {settings.correlated_degree} after {lags} units of"
                   " time, that is the mean |ω(t + lag) − ω(t)|² over twice the mean |ω|². The score z of a setting: the"
-                  " difference from the mean of the reference ensembles of the same draw, mean over the draws, over"
-                  " its standard deviation by chance, from the spread of the runs of one draw that count. So each"
+                  " difference from the mean of the reference ensembles of the same sample, mean over the samples, over"
+                  " its standard deviation by chance, from the spread of the runs of one sample that count. So each"
                   " quantity is weighted by how well it is known. Within chance: the largest |z| is at most the"
-                  f" {LEVEL:.0%} quantile of {COUNT} samples, each with one reference run of each draw held out at"
+                  f" {LEVEL:.0%} quantile of {COUNT} samples, each with one reference run of each sample held out at"
                   " random and judged by the others."),
         Paragraph("Energy and enstrophy have a tolerance of their own: reference runs keep them, so that they have no"
                   f" spread. The averages are divided into {QUARTERS} quarters for the stationarity alone."),
         Paragraph("CPU seconds: the geometric mean over fresh processes of the time of a step, times the number of"
-                  f" steps to {times}. Each process times all settings of one n in turns, from the state of the first"
-                  f" draw at T/2, behind {settings.warm_steps} steps that are not timed. Ratios have the 95 % interval"
-                  f" over the processes; with fewer than {FEWEST} nothing is decided. Sampling is not in it. Explicit"
-                  " methods have no use for the tolerance, with or without the projection."),
+                  f" steps to {times}. Each process times all settings of one n interleaved, from the state of the"
+                  f" first sample at T/2, behind {settings.warm_steps} steps that are not timed. Ratios have the 95 %"
+                  f" interval over the processes; with fewer than {FEWEST} nothing is decided. Sampling is not in it."
+                  " Explicit methods have no use for the tolerance, with or without the projection."),
         timing_table(study),
     ]
 
@@ -291,7 +291,7 @@ def how_parts(study, times):
 def reference_table(study):
     rows = []
     for n, size in study.sizes.items():
-        runs = [run for draw in study.references[n] for run in draw]
+        runs = [run for sample in study.references[n] for run in sample]
         rows.append([str(n), f"{size.time:g}", size.reference_integrator, f"{size.reference_step:g}",
                      scientific(size.reference_error), scientific(max(run.energy_error for run in runs)),
                      scientific(max(run.spectrum_error for run in runs))])

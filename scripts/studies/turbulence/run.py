@@ -1,10 +1,10 @@
 """Measures what long runs of decaying turbulence average to, and what they cost, by method, step and tolerance.
 
-Initial data are drawn: modes l = 6 … 10, ‖W₀‖₂ = 1, the same draws at every n, each made anew from its number. Two runs
-that begin near each other are strangers before T/2, so that averages over the second half of a run compare ensembles,
-not trajectories; ensembles that begin further apart show whether that is so. Runs are untimed. The cost of a step is
-timed at the end, from the state of the first draw at T/2, in fresh processes, each of which times all settings of one n
-in turns.
+Initial data are drawn: modes l = 6 … 10, ‖W₀‖₂ = 1, the same samples at every n, each made anew from its number. Two
+runs that begin near each other are strangers before T/2, so that averages over the second half of a run compare
+ensembles, not trajectories; ensembles that begin further apart show whether that is so. Runs are untimed. The cost of a
+step is timed at the end, from the state of the first sample at T/2, in fresh processes, each of which times all
+settings of one n interleaved.
 """
 
 import os
@@ -25,27 +25,27 @@ from lib.running.problems import decoded
 from studies.turbulence import single_runs as runs
 from studies.turbulence.against_reference import steps_to
 from studies.turbulence.plan import QUICK_SIZES, REFERENCE_METHOD, SIZES, names_of, plan_of, settings_of, sizes_of
-from studies.turbulence.schema import FAR, PRACTICE_INTEGRATOR, REFERENCE, SCHEMA, Cost, RunRow, Settings, Size
+from studies.turbulence.schema import FAR, BASELINE_INTEGRATOR, REFERENCE, SCHEMA, Cost, RunRow, Settings, Size
 
 
 # What is timed: steps that fill a stretch of time behind WARM_STEPS others from T/2 on, or so many if they are longer.
-STRETCH, LEAST_TIMED = 10.0, 8
+STRETCH, MIN_TIMED = 10.0, 8
 TURNS = 2  # of all settings within a process, of which the least counts; one for those of
 LONG = 0.3  # CPU seconds or more
 PROCESSES, QUICK_PROCESSES = verdicts.FEWEST, 2
 
 
-def job_of(n, plan, setting, draw):
-    return {"n": n, "draw": draw, "time": plan.time, **setting._asdict()}
+def job_of(n, plan, setting, sample):
+    return {"n": n, "sample": sample, "time": plan.time, **setting._asdict()}
 
 
 def run_jobs(n, plan, names):
     """Returns the jobs of all runs at an n with their roles, as (role, job)."""
-    references = [(role, {**job_of(n, plan, REFERENCE_METHOD, draw), "role": role, "ensemble": ensemble})
+    references = [(role, {**job_of(n, plan, REFERENCE_METHOD, sample), "role": role, "ensemble": ensemble})
                   for role, count in ((REFERENCE, plan.references), (FAR, plan.far))
-                  for draw in range(plan.draws) for ensemble in range(count)]
-    return references + [(role, job_of(n, plan, setting, draw)) for role, setting in settings_of(n, plan, names)
-                         for draw in range(plan.draws)]
+                  for sample in range(plan.samples) for ensemble in range(count)]
+    return references + [(role, job_of(n, plan, setting, sample)) for role, setting in settings_of(n, plan, names)
+                         for sample in range(plan.samples)]
 
 
 # ---- cost
@@ -56,14 +56,14 @@ def points_of(n, plan, rows):
     working = [setting for role, setting in settings_of(n, plan, plan.steps)
                if (found := [row for row in rows if row.n == n and row.role == role
                              and row[2:5] == setting]) and all(row.works for row in found)]
-    return [{"n": n, **setting._asdict(), "steps": max(LEAST_TIMED, steps_to(STRETCH, setting.step))}
+    return [{"n": n, **setting._asdict(), "steps": max(MIN_TIMED, steps_to(STRETCH, setting.step))}
             for setting in working]
 
 
 def prepare(job):
     """Returns the state that points are timed from, as text, and those of the points whose steps work there.
 
-    A job is that of the first draw by the reference method, with `points` besides.
+    A job is that of the first sample by the reference method, with `points` besides.
     """
     text = runs.developed(job)
     W = decoded(text, job["n"])
@@ -108,12 +108,12 @@ def time_block(block):
     return [min(each) for each in found.values()]
 
 
-def further_processes(most, seconds):
+def further_processes(maximum, seconds):
     """Returns how many further processes each row wants: all rows have the same, so that any two can be compared."""
-    return {row: most - len(each) for row, each in seconds.items()}
+    return {row: maximum - len(each) for row, each in seconds.items()}
 
 
-def time_all(points, texts, most, checkpoint):
+def time_all(points, texts, maximum, checkpoint):
     """Returns the CPU seconds of a step of each point by process, as dicts by row and n; `texts` are states by n."""
     blocks = blocks_of(points)
     with tempfile.TemporaryDirectory() as folder:
@@ -124,7 +124,7 @@ def time_all(points, texts, most, checkpoint):
         def command(block, process):
             return program.process_command("turbulence", block, process, state=files[block["n"]])
 
-        times = timed.by_processes(blocks, command, partial(further_processes, most), checkpoint, "timing")
+        times = timed.by_processes(blocks, command, partial(further_processes, maximum), checkpoint, "timing")
     return {(block["n"], row): seconds for block, found in zip(blocks, times) for row, seconds in found.items()}
 
 
@@ -137,15 +137,15 @@ def cost_of(point, seconds):
 
 
 def size_row(n, plan, reference_error):
-    norms = [runs.drawn_scene(n, draw).generator_norms()[0] for draw in range(plan.draws)]
-    return Size(n=n, draws=plan.draws, references=plan.references, far=plan.far, time=plan.time,
+    norms = [runs.drawn_scene(n, sample).generator_norms()[0] for sample in range(plan.samples)]
+    return Size(n=n, samples=plan.samples, references=plan.references, far=plan.far, time=plan.time,
                 reference_integrator=REFERENCE_METHOD.integrator, reference_step=REFERENCE_METHOD.step,
                 reference_error=reference_error, norm_B=runs.recorded(statistics.fmean(norms)))
 
 
 def run_row(role, job, found):
     """Returns a run as a row of its table, given what carry_out() returned."""
-    named = {name: job[name] for name in ("n", "integrator", "step", "tolerance", "draw")}
+    named = {name: job[name] for name in ("n", "integrator", "step", "tolerance", "sample")}
     return RunRow(**named, role=role, ensemble=job.get("ensemble", 0), **found)
 
 
@@ -168,15 +168,15 @@ def main(arguments):
     prepared = results([{**job_of(n, plans[n], REFERENCE_METHOD, 0), "points": points_of(n, plans[n], rows)}
                         for n in sizes], prepare, what="states")
     points = [point for each in prepared for point in each["points"]]
-    most = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
+    maximum = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
     states = {n: each["state"] for n, each in zip(sizes, prepared)}
-    seconds = time_all(points, states, most, checkpoint)  # last: nothing else runs meanwhile
+    seconds = time_all(points, states, maximum, checkpoint)  # last: nothing else runs meanwhile
 
     settings = Settings(lowest_degree=runs.DEGREES[0], highest_degree=runs.DEGREES[-1],
                         displacement=runs.DISPLACEMENTS[REFERENCE], far_displacement=runs.DISPLACEMENTS[FAR],
                         correlated_degree=runs.CORRELATED_DEGREE, lags=runs.LAGS, energy_loss=runs.ENERGY_LOSS,
                         max_sweeps=runs.MAX_SWEEPS, warm_steps=timed.WARM_STEPS)
-    listed = dict.fromkeys((PRACTICE_INTEGRATOR, REFERENCE_METHOD.integrator, *names))
+    listed = dict.fromkeys((BASELINE_INTEGRATOR, REFERENCE_METHOD.integrator, *names))
     formats.write_study(options.out, SCHEMA, checkpoint.context, settings, {
         "integrators": built.entries(listed),
         "sizes": [size_row(n, plans[n], error) for n, error in zip(sizes, errors)],

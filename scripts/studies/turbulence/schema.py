@@ -1,8 +1,9 @@
 """The raw file of the study `turbulence`: what runs of drawn turbulence average to, and what they cost.
 
-A *draw* is one set of initial data, counted from 0. A *setting* is an integrator with a step and a tolerance. A
-*reference ensemble* has one run a draw, from data that were moved along their coadjoint orbit at constant energy. Those
-of the reference are moved little; *far* ensembles are moved much, to see whether the distance at the start matters.
+A *sample* is one set of initial data, counted from 0. A *setting* is an integrator with a step and a tolerance. A
+*reference ensemble* has one run a sample, from data that were moved along their coadjoint orbit at constant energy.
+Those of the reference are moved little; *far* ensembles are moved much, to see whether the distance at the start
+matters.
 """
 
 from typing import Dict, NamedTuple, Optional, Tuple
@@ -12,8 +13,9 @@ from lib.records import formats
 from lib.records.formats import (CONVERGED, SWEEP_CAP, Integrator, Schema, keyed, list_of, number, one_of, optional,
                                  positive, status, text, whole)
 
-REFERENCE, FAR, METHOD, PRACTICE = ROLES = ("reference", "far", "method", "practice")
-PRACTICE_INTEGRATOR, PRACTICE_SHARE = "algebra1", 0.25  # isospectral midpoint, h = ħ/4
+REFERENCE, FAR, METHOD, BASELINE = ROLES = ("reference", "far", "method", "baseline")
+EARLIER_ROLES = {"practice": BASELINE}  # what older files call one
+BASELINE_INTEGRATOR, BASELINE_SHARE = "algebra1", 0.25  # isospectral midpoint, h = ħ/4
 LOOSE = 1e-8
 BAND_ENDS = (2, 5, 10, 20, 40, 80, 160, 320, 640)  # largest degree l of each band
 QUARTERS = 4  # of the averaging stretch T/2 … T
@@ -42,25 +44,25 @@ class Size(NamedTuple):
     """What was run at one n."""
 
     n: whole(2)
-    draws: whole(2)
+    samples: whole(2)
     references: whole(3)  # ensembles, of which two are left if one is held out
     far: whole(4)  # ensembles, which may be judged by three of them
     time: positive  # T of a run; averages are those of T/2 … T
     reference_integrator: text
     reference_step: positive
-    reference_error: number  # relative, of W(20) of the first draw: at this step against half of it
-    norm_B: positive  # ‖B(W₀)‖₂, the mean over the draws
+    reference_error: number  # relative, of W(20) of the first sample: at this step against half of it
+    norm_B: positive  # ‖B(W₀)‖₂, the mean over the samples
 
 
 class RunRow(NamedTuple):
     """One run; its averages over T/2 … T are None where it did not come to its end."""
 
     n: whole(2)
-    role: one_of(*ROLES)
+    role: one_of(*ROLES, renamed=EARLIER_ROLES)
     integrator: text
     step: positive
     tolerance: positive
-    draw: whole()
+    sample: whole()
     ensemble: whole()  # of reference and far ones; 0 for all others
     status: status
     time: number  # that it came to
@@ -78,7 +80,7 @@ class RunRow(NamedTuple):
 
 
 class Cost(NamedTuple):
-    """CPU time of a step, from the state of the first draw at T/2."""
+    """CPU time of a step, from the state of the first sample at T/2."""
 
     n: whole(2)
     integrator: text
@@ -88,7 +90,8 @@ class Cost(NamedTuple):
     seconds: list_of(positive)  # of a step, by process; each process times all that has a cost at its n
 
 
-SCHEMA = Schema("turbulence", Settings, {"integrators": Integrator, "sizes": Size, "runs": RunRow, "costs": Cost})
+SCHEMA = Schema("turbulence", Settings, {"integrators": Integrator, "sizes": Size, "runs": RunRow, "costs": Cost},
+                renamed={"draw": "sample", "draws": "samples"})
 
 
 class Setting(NamedTuple):
@@ -108,11 +111,11 @@ class Quantity(NamedTuple):
 
 
 class Ensemble(NamedTuple):
-    """The runs of one setting at one n, a draw each."""
+    """The runs of one setting at one n, a sample each."""
 
     setting: Setting
     role: str
-    runs: Tuple[RunRow, ...]  # by draw
+    runs: Tuple[RunRow, ...]  # by sample
 
     @property
     def works(self):
@@ -125,12 +128,12 @@ class Ensemble(NamedTuple):
 
     @property
     def failed(self):
-        """The number of draws whose run failed."""
+        """The number of samples whose run failed."""
         return len(self.lost)
 
     @property
     def capped(self):
-        """The number of draws whose run was ended by the sweep cap, which is lower here than the default."""
+        """The number of samples whose run was ended by the sweep cap, which is lower here than the default."""
         return sum(run.status == SWEEP_CAP for run in self.runs)
 
 
@@ -140,15 +143,15 @@ class Turbulence(NamedTuple):
     settings: Settings
     integrators: Dict[str, Integrator]
     sizes: Dict[int, Size]
-    references: Dict[int, Tuple[Tuple[RunRow, ...], ...]]  # n: draws, each a run for each ensemble
+    references: Dict[int, Tuple[Tuple[RunRow, ...], ...]]  # n: samples, each a run for each ensemble
     far: Dict[int, Tuple[Tuple[RunRow, ...], ...]]  # of far ensembles
     ensembles: Dict[int, Dict[Setting, Ensemble]]  # without references and far ones
     costs: Dict[Tuple[int, Setting], Cost]
     context: Dict[str, str]
 
-    def practice(self, n):
-        """Returns the Ensemble of the practice, or None."""
-        return next((each for each in self.ensembles[n].values() if each.role == PRACTICE), None)
+    def baseline(self, n):
+        """Returns the Ensemble of the baseline, or None."""
+        return next((each for each in self.ensembles[n].values() if each.role == BASELINE), None)
 
     def cost(self, n, setting):
         """Returns the Cost of a setting's step, or None where there is none."""
@@ -186,7 +189,7 @@ def turbulence(study):
         rows = [row for row in tables["runs"] if row.n == n]
         references[n] = every_run(rows, REFERENCE, size, size.references)
         far[n] = every_run(rows, FAR, size, size.far)
-        ensembles[n] = ensembles_of([row for row in rows if row.role in (METHOD, PRACTICE)], size)
+        ensembles[n] = ensembles_of([row for row in rows if row.role in (METHOD, BASELINE)], size)
         if len({len(row.seconds) for row in tables["costs"] if row.n == n}) > 1:
             raise UnusableFile(f"has costs at n = {n} from different numbers of processes")
     costs = {(row.n, setting_of(row)): row for row in tables["costs"]}
@@ -194,22 +197,22 @@ def turbulence(study):
 
 
 def every_run(rows, role, size, count):
-    """Returns the runs of `count` ensembles of a role, by draw. Throws UnusableFile where one is missing or failed."""
-    own = {(row.draw, row.ensemble): row for row in rows if row.role == role}
-    wanted = {(draw, ensemble) for draw in range(size.draws) for ensemble in range(count)}
+    """Returns the runs of `count` ensembles of a role, by sample. Throws UnusableFile where one is missing."""
+    own = {(row.sample, row.ensemble): row for row in rows if row.role == role}
+    wanted = {(sample, ensemble) for sample in range(size.samples) for ensemble in range(count)}
     if set(own) != wanted or not all(row.works for row in own.values()):
         raise UnusableFile(f"has not every {role} run at n = {size.n}")
-    return tuple(tuple(own[draw, ensemble] for ensemble in range(count)) for draw in range(size.draws))
+    return tuple(tuple(own[sample, ensemble] for ensemble in range(count)) for sample in range(size.samples))
 
 
 def ensembles_of(rows, size):
-    """Returns the Ensembles among the rows at one n, by Setting. Throws UnusableFile for one without all draws."""
+    """Returns the Ensembles among the rows at one n, by Setting. Throws UnusableFile for one without all samples."""
     found = {}
     for row in rows:
         found.setdefault(setting_of(row), []).append(row)
     for setting, runs in found.items():
-        if sorted(row.draw for row in runs) != list(range(size.draws)):
-            raise UnusableFile(f"has not every draw of {setting.integrator} with h = {setting.step:g}"
+        if sorted(row.sample for row in runs) != list(range(size.samples)):
+            raise UnusableFile(f"has not every sample of {setting.integrator} with h = {setting.step:g}"
                                f" at n = {size.n}")
-    return {setting: Ensemble(setting, runs[0].role, tuple(sorted(runs, key=lambda row: row.draw)))
+    return {setting: Ensemble(setting, runs[0].role, tuple(sorted(runs, key=lambda row: row.sample)))
             for setting, runs in found.items()}

@@ -16,7 +16,7 @@ from lib.running.problems import degree_vectors, encoded, energies_by_degree
 from studies.turbulence.schema import FAR, QUARTERS, REFERENCE, bands_of
 
 DEGREES = range(6, 11)  # of the modes that are drawn
-SEED = 33  # of all draws, before their number: apart from those of lib.initial_states
+SEED = 33  # of all samples, before their number: apart from those of lib.initial_states
 # Along the coadjoint orbit at constant energy, relative to ‖W₀‖ in the Frobenius norm.
 DISPLACEMENTS = {REFERENCE: 1e-3, FAR: 1e-1}
 NEWTON_STEPS = 4  # to the energy of the data, from a relative error of some 1e-2: it squares in each
@@ -36,12 +36,12 @@ DIGITS = 6  # that averages are recorded with
 
 
 @functools.lru_cache(maxsize=4)
-def drawn_scene(n, draw):
-    """Returns the scene of a draw: modes of DEGREES, whose complex coefficients have equal variance, ‖W₀‖₂ = 1.
+def drawn_scene(n, sample):
+    """Returns the scene of a sample: modes of DEGREES, whose complex coefficients have equal variance, ‖W₀‖₂ = 1.
 
     The coefficients are the same at every n. W is that of a real vorticity: a mode with m = 0 has a real coefficient.
     """
-    return isosyrk.scene("drawn", n=n, modes=modes_of_sizes(dict.fromkeys(DEGREES, 1.0), (SEED, draw)))
+    return isosyrk.scene("drawn", n=n, modes=modes_of_sizes(dict.fromkeys(DEGREES, 1.0), (SEED, sample)))
 
 
 def rotated(W, generator, angle):
@@ -73,11 +73,11 @@ def displaced(scene, size, seed):
 
 def begun(job):
     """Returns the scene of a job, and its initial data: displaced for an ensemble of a role of DISPLACEMENTS."""
-    scene = drawn_scene(job["n"], job["draw"])
+    scene = drawn_scene(job["n"], job["sample"])
     if "ensemble" not in job:
         return scene, scene.initial
     place = list(DISPLACEMENTS).index(job["role"])
-    return scene, displaced(scene, DISPLACEMENTS[job["role"]], (job["draw"], job["n"], job["ensemble"], place))
+    return scene, displaced(scene, DISPLACEMENTS[job["role"]], (job["sample"], job["n"], job["ensemble"], place))
 
 
 def method_of(job, scene):
@@ -148,8 +148,8 @@ def decorrelation(samples, lag):
 def carry_out(job):
     """Returns what a run gave, as columns of a row: its status, errors, and averages over T/2 … T.
 
-    A job is a dict of n, draw, integrator, step, tolerance and time; for displaced data also of the role and the number
-    of an ensemble.
+    A job is a dict of n, sample, integrator, step, tolerance and time; for displaced data also of the role and the
+    number of an ensemble.
     """
     scene, W0 = begun(job)
     h = job["step"]
