@@ -31,22 +31,25 @@ TEST(AllocationCounter, SeesAnAllocationAndItsEnd) {
   EXPECT_EQ(bytes_in_use(), before);
 }
 
-TEST(Step, AllocatesNothingForAnyIntegratorBackendAndSize) {
+class EachIntegrator : public ::testing::TestWithParam<IntegratorEntry> {};
+
+TEST_P(EachIntegrator, AllocatesNothingInAStepForAnyBackendAndSize) {
   for (const Index n : sizes) {
     const Scene scene = smooth_scene(n);
     for (const ProductBackend backend : product_backends()) {
-      for (const IntegratorEntry& entry : integrators()) {
-        const auto integrator = entry.make(scene.flow, {1e-13, 3}, backend);
-        Matrix W = scene.initial;
-        integrator->step(W, 1e-4);  // the BLAS sets up its own buffers in its first product
-        StepReport report;
-        EXPECT_EQ(allocations_during([&] { report = integrator->step(W, 1e-4); }), 0)
-            << entry.name << " n = " << n << " " << name(backend);
-        EXPECT_GT(report.work.products, 0);
-      }
+      const auto integrator = GetParam().make(scene.flow, {1e-13, 3}, backend);
+      Matrix W = scene.initial;
+      integrator->step(W, 1e-4);  // the BLAS sets up its own buffers in its first product
+      StepReport report;
+      EXPECT_EQ(allocations_during([&] { report = integrator->step(W, 1e-4); }), 0)
+          << "n = " << n << " " << name(backend);
+      EXPECT_GT(report.work.products, 0);
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(List, EachIntegrator, ::testing::ValuesIn(integrators()),
+                         ::testing::PrintToStringParamName());
 
 // Threads are made in the first step, and kept.
 TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {

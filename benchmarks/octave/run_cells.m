@@ -15,8 +15,8 @@ function refuse(format, varargin)
 end
 
 function seconds = seconds_of_product(W)
-  % Returns the CPU seconds of one product: the least of five trials of some 0.05 s. A call takes 1e-6 s at least.
-  count = max(1, round(0.05/max(1e-6, 8*rows(W)^3/4e10)));
+  % Returns the CPU seconds of one product: the least of five trials of some 0.05 s. A call takes 3e-6 s at least.
+  count = max(1, round(0.05/max(3e-6, 8*rows(W)^3/4e10)));
   seconds = Inf;
   for trial = 1:5
     begun = cputime();

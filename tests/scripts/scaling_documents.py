@@ -19,18 +19,13 @@ def point(name="group2", n=17, ablation="fast", start=5.0, seconds=None, **other
     """
     times = TIMES_AS_FAST.get(ablation, 2.0)
     found = [noise * 17e-6 / times for noise in NOISE] if seconds is None else seconds
-    values = {"start": start, "n": n, "integrator": name, "ablation": ablation, "step": 0.1, "tolerance": 1e-13, "steps": 8,
-              "sweeps": 12.0, "equivalent_products": 100.0 / times, "seconds": found, **others}
+    values = {"start": start, "n": n, "integrator": name, "ablation": ablation, "step": 0.1, "tolerance": 1e-13,
+              "steps": 8, "sweeps": 12.0, "equivalent_products": 100.0 / times, "seconds": found, **others}
     return Point(**values)
 
 
 def failed(**values):
     return point(**values, seconds=[], sweeps=None, equivalent_products=None)
-
-
-def line(name, ablation, start, seconds):
-    """Returns points of a line; `seconds` are the times by n."""
-    return [point(name, n, ablation, start, each if isinstance(each, list) else [each]) for n, each in seconds.items()]
 
 
 def write_tables(path, scene="smooth", **tables):

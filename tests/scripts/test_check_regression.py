@@ -22,7 +22,7 @@ REGRESSION, NOT_JUDGED = 1, 3
 BASELINE = os.path.join("results", "baseline", "baseline.json")
 
 # Of head it is $FACTOR times slower than of base; base reports what stands in $REPORT_OF_BASE, if that is set.
-REGRESSION_CELLS = f"""#!{sys.executable}
+REGRESSION_CELLS = f"""#!{sys.executable} -SE
 import json, os, sys, time
 is_base = "build-base" in os.path.abspath(sys.argv[0])
 with open(os.environ["CALLS"], "a") as calls:

@@ -1,4 +1,4 @@
-"""Tests of the study of the paper's claims, of its model of threads, and of its rendering."""
+"""Tests of the study of the paper's claims, of its model of threads, and of what changes its findings."""
 
 import argparse
 import json
@@ -10,7 +10,7 @@ from collections import defaultdict
 from unittest import mock
 
 from programs import BUILD, DONE, MEASURE, RENDER, ROOT, FolderTest, run_script, text_of
-from claims_documents import OCTAVE, RATES, THREAD_OVERHEAD, tables, write_claims
+from claims_documents import RATES, tables, write_claims
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 
@@ -18,19 +18,16 @@ import isosyrk  # noqa: F401 (CTest leaves this file out where there is no modul
 from studies.claims import report as claims_report, judge as claims_table
 from lib.records import formats
 from studies.claims import run as claims_study
-from studies.claims.judge import cell_text, Finding, read_claims_table, Row
+from studies.claims.judge import cell_text, read_claims_table
 from lib.programs.command_line import Stop
-from lib.pages.figures import read_figures
 from lib.records.findings import read_findings
 from lib.records.formats import FORMULATIONS, parse_json
-from studies.accuracy.judge import Comparison, Findings as Accuracy
-from studies.theorem.judge import ClaimResult, Findings as Theorem
-from studies.theorem.schema import FOOTNOTE
+from studies.theorem.judge import Findings as Theorem
 from studies.turbulence.judge import Findings as Turbulence
 from lib.programs.messages import UnusableFile
-from studies.claims.parallel_model import (PROCESSORS, Rates, Task, makespan, path_products, phases, sweep_seconds,
+from studies.claims.parallel_model import (PROCESSORS, Rates, makespan, path_products, phases, sweep_seconds,
                                            work_seconds)
-from lib.judging.verdicts import FAILS, FEWEST, HOLDS, TIE, UNDECIDED
+from lib.judging.verdicts import FAILS, FEWEST, HOLDS, TIE
 
 STUDY = MEASURE, "claims"
 RENDERING = RENDER, "claims"
@@ -83,40 +80,8 @@ class Model(unittest.TestCase):
                 self.assertAlmostEqual(sweep_seconds(form, s, Rates(1.0, 0.0), 64), path_products(form, s))
         self.assertEqual([path_products(form, 3) for form in FORMULATIONS], [1.5, 2.5, 1.0])
 
-    def test_a_task_costs_its_products_and_its_passes(self):
-        self.assertAlmostEqual(Rates(40.0, 4.0).seconds(Task(0.5, 3.0)), 32.0)
-
 
 class Judging(unittest.TestCase):
-    def test_cells_of_the_table(self):
-        def text(*findings):
-            return cell_text([Finding(*each) for each in findings])
-
-        self.assertEqual(text(("n = 17", None, 1.2, None, None, 1), ("n = 33", None, 2.0, None, None, 1)), "1.20–2.00")
-        self.assertEqual(text(("n = 17", TIE, 1.0, 0.99, 1.01, 1), ("n = 33", HOLDS, 1.5, 1.4, 1.6, 1)),
-                         "tie (n = 17), holds (n = 33) 1.00–1.50 [0.990, 1.60]")
-        self.assertEqual(text(*((f"n = {n}", result, 1.0, None, None, 1)
-                                for n, result in ((17, HOLDS), (33, FAILS), (65, HOLDS)))),
-                         "holds (n = 17, 65), fails (n = 33) 1.00")
-        self.assertEqual(text(("su(n)", HOLDS, None, None, None, 18)), "holds 18 of 18 (su(n))")
-        self.assertEqual(text(("comparisons", HOLDS, None, 0.9, 8.0, 2), ("comparisons", FAILS, None, 0.9, 8.0, 3)),
-                         "holds 2, fails 3 of 5 (comparisons): 0.900–8.00")
-        self.assertEqual(cell_text([Finding("at 1e-2", None, 2.0, 2.0, 4.0, 17)], has_orders=True), "2 at 1e-2")
-
-    def test_a_column_has_a_code_and_its_variants(self):
-        def found(ratio):
-            return [Finding("n = 17", HOLDS, ratio, None, None, 1)]
-
-        row = Row("(a)", "algebra is fastest", 1, ("page",), {"plain": found(1.2), "plain_avx2": found(1.4),
-                                                              "optimised_avx2": found(1.6)})
-        (((claim, *cells, evidence),),) = claims_table.claims_table([row]).blocks
-        self.assertEqual((claim.text, evidence.text), ("(a), s = 1: algebra is fastest", "page"))
-        self.assertEqual([cell.text for cell in cells], ["holds 1.20; AVX2: holds 1.40", "AVX2: holds 1.60"])
-        empty = row._replace(findings={"octave": found(1.0)})
-        lines = claims_table.claims_table([row, empty]).blocks[0]
-        self.assertEqual([[cell.text for cell in line[1:-1]] for line in lines],
-                         [["–", "holds 1.20; AVX2: holds 1.40", "AVX2: holds 1.60"], ["holds 1.00", "–", "–"]])
-
     def test_partitioned_pairs_are_judged_by_rounding(self):
         def findings(**changes):
             ends = [end._replace(**changes) if end.case == CHANGED else end for end in theorem.ends]
@@ -127,40 +92,6 @@ class Judging(unittest.TestCase):
         self.assertEqual(findings(), [[(HOLDS, 4)], [(HOLDS, 4)]])
         self.assertEqual(findings(casimir_errors=(1e-6, 0, 0)), [[(HOLDS, 3), (FAILS, 1)], [(HOLDS, 4)]])
         self.assertEqual(findings(differences=(1e-15, 1, 1)), [[(HOLDS, 4)], [(HOLDS, 3), (FAILS, 1)]])
-
-    def test_what_the_paper_does_not_claim_is_no_part_of_its_footnote(self):
-        def results(scene, *said):
-            return [ClaimResult(FOOTNOTE, scene, 33, 0.1, "yoshida4", each) for each in said]
-
-        footnote, beyond = claims_table.footnote_rows(Theorem([], [], [], [
-            *results("smooth", HOLDS, HOLDS, HOLDS, None), *results("spin_chain", FAILS, FAILS),
-            ClaimResult("(a)", "smooth", 33, 0.1, "s = 1", FAILS)], []))
-        self.assertEqual(cell_text(footnote.findings["plain"]), "holds 3, not judged 1 of 4 (su(n))")
-        self.assertEqual((beyond.claim, cell_text(beyond.findings["plain"])),
-                         ("beyond the footnote", "fails 2 of 2 (su(2)^N)"))
-
-    def test_exponentials_of_the_paper_are_judged_in_plain_code_and_ours_at_both_tolerances(self):
-        def compared(first, second, **said):
-            return [Comparison("smooth", 5.0, 17, 1e-4, first, second, ratio, verdict, None)
-                    for verdict, ratios in said.items() for ratio in ratios]
-
-        accuracy = found_by("accuracy", Accuracy)._replace(comparisons=[
-            *compared("gauss", "elp", slower=(1.9, 2.8)),
-            *compared("gauss", "elp_bounded", faster=(0.7,), slower=(1.1,)),
-            *compared("named_published", "gauss_published", slower=(6.5, 2.0), faster=(0.9,)),
-            *compared("gauss", "explicit", slower=(99.0,))])
-        paper, usual, equal = claims_table.exponentials_rows(accuracy)
-        self.assertEqual({code: cell_text(found) for code, found in paper.findings.items()}, {
-            "plain": "holds 2, fails 1 of 3 (comparisons): 0.900–6.50", "optimised": claims_table.NOT_TESTED})
-        self.assertEqual(cell_text(usual.findings["optimised"]), "fails 2 of 2 (comparisons): 1.90–2.80")
-        self.assertEqual(cell_text(equal.findings["optimised"]), "holds 1, fails 1 of 2 (comparisons): 0.700–1.10")
-        for row in (usual, equal):  # not the paper's claim
-            self.assertNotEqual(row.claim, paper.claim)
-
-    def test_a_model_gives_ratios_and_no_verdict(self):
-        for findings in claims_table.modelled_findings(formats.Study({}, None, tables())).values():
-            self.assertEqual({each.result for each in findings}, {None})
-            self.assertRegex(cell_text(findings), r"^[0-9.–]+$")
 
     def test_order_in_turbulence_is_that_of_the_cheapest_faithful_setting(self):
         def turbulence(samples):
@@ -207,35 +138,6 @@ class Rendering(FolderTest):
         found, = [findings for (label, s, _), findings in rows.items() if (label, s) == (claim, stages)]
         return found
 
-    def test_octave_is_judged_by_processes_beside_the_other_codes(self):
-        rows = self.rendered()
-        for claim, stages, result, ratio in (("(a)", 1, HOLDS, 2.0), ("(b)", 2, HOLDS, 1.2), ("(b)", 3, HOLDS, 1.2),
-                                             ("(c)", 3, HOLDS, OCTAVE["algebra"][2])):
-            found = self.by_claim(rows, claim, stages)
-            self.assertEqual(list(found), ["paper", "octave", "plain", "optimised"])
-            self.assertEqual([each.result for each in found["octave"]], [result] * 2)
-            self.assertAlmostEqual(found["octave"][0].ratio, ratio)
-            self.assertIsNone(found["paper"][0].low)
-        few = self.rendered(tables(FEWEST - 1))
-        self.assertEqual(self.by_claim(few, "(a)", 1)["octave"][0].result, UNDECIDED)
-
-    def test_figures_choices_and_shares(self):
-        self.rendered()
-        figures = read_figures(self.path("out", "figures.json"))
-        for key, value in (("octave.s3.algebra_over_group.n17", 3), ("octave.difference", 2e-14),
-                           ("octave.apart", 3e-14),
-                           ("share.octave.s1.group.n17", 0.1), ("open.b.s2.published.n17.min", 1),
-                           ("open.b.s2.published.n17.max", 2), ("open.b.s2.published.n17.holds", 2),
-                           ("open.b.s2.published.n17.tie", 2), ("model.check.min", 1 / THREAD_OVERHEAD),
-                           ("model.check.max", 1 / THREAD_OVERHEAD), ("model.path.s3.group", 2.5)):
-            self.assertAlmostEqual(figures[key], value, msg=key, places=5)
-        report = text_of(self.path("out", "report.md"))
-        self.assertIn("3.33 % to 20.0 % at n = 17", report)  # less than half of the time, so that a sentence says it
-        self.assertIn("time an interpreter", report)
-        self.assertIn(claims_report.NOT_MEASURED, report)
-        _, choices = read_claims_table(self.path("out", "claims.json"))
-        self.assertIn({HOLDS: 2, TIE: 2}, [each.results for each in choices])
-
     def test_formulations_that_differ_in_octave_are_counted(self):
         made = tables()
         made["octave_pairs"][0] = made["octave_pairs"][0]._replace(difference=1e-9)
@@ -256,13 +158,6 @@ class Rendering(FolderTest):
             wrong = {**raw, "context": {**raw["context"], **change}}
             self.write("avx2.json", json.dumps(wrong))
             self.assert_refused(self.render(write_claims(self.folder)), "avx2.json", "AVX2")
-
-    def test_another_processor_is_told(self):
-        self.rendered()
-        self.assertIn("not all measured on one processor", text_of(self.path("out", "report.md")))
-        processors = parse_json(text_of(self.path("out", "claims.json")))["processors"]
-        self.assertEqual(processors["claims"], {"cpu": "a processor", "blas_kernels": "Cooperlake"})
-        self.assertEqual(list(processors), ["claims", "tables"])
 
     def test_processors_are_compared(self):
         here = {"cpu": "a processor", "blas_kernels": "Cooperlake"}
@@ -324,54 +219,6 @@ class Rendering(FolderTest):
                 self.assertNotEqual(claims(), before)
             self.write(path, whole_file)
         self.assertEqual(claims(), before)
-
-    def test_claims_are_read_back_as_written(self):
-        rows = [Row("(a)", "a statement of more words than a short text may have, which is told in full", 1,
-                    ("recorded/x/report.md",), {"plain": [Finding("n = 17", HOLDS, 1.5, 1.4, 1.6, 1)]})]
-        path = self.write("claims.json", claims_table.as_json(rows, [], {}))
-        self.assertEqual(read_claims_table(path), (rows, []))
-
-
-class Page(FolderTest):
-    """In a copy of the repository with the study recorded, a page shows the table of claims on speed."""
-
-    def setUp(self):
-        super().setUp()
-        for name in ("scripts", os.path.join("results", "recorded", "tables"), os.path.join("results", "paper")):
-            shutil.copytree(os.path.join(ROOT, name), self.path(name), ignore=shutil.ignore_patterns("__pycache__"))
-        for page, template in (("README.md", ""), ("results/README.md", "{{ table_of_claims() }}\n")):
-            self.write(page, "")
-            self.write(f"{page}.in", template)
-        done = run_script(*RENDERING, write_claims(self.folder), "--out", self.path("results", "recorded", "claims"))
-        self.assertEqual(done.returncode, DONE, done.stderr)
-
-    def update(self, *arguments):
-        return run_script(self.path("scripts", "update"), "pages", *arguments)
-
-    def page(self):
-        return text_of(self.path("results", "README.md"))
-
-    def test_the_table_is_kept_up_to_date(self):
-        self.assertEqual(self.update().returncode, DONE)
-        for part in ("| paper's MATLAB | Octave | published | fast |", "| (b) group is fastest | 2 |", "holds 1.20"):
-            self.assertIn(part, self.page())
-        self.assertEqual(self.update("--check").returncode, DONE)
-        self.write("results/README.md", self.page().replace("holds 1.20", "holds 1.30", 1))
-        stale = self.update("--check")
-        self.assertEqual(stale.returncode, 1)
-        self.assert_one_line(stale.stderr, "results/README.md", "results/README.md.in", "scripts/update")
-
-    def test_a_template_that_cannot_be_rendered_is_refused(self):
-        for template, *parts in (("one\n{{ tables['gone'] }}", "line 2", 'tables/figures.json has no figure "gone"'),
-                                 ("{% expect tables['gain.s1.min'] > 100 %}", "line 1",
-                                  'expected tables["gain.s1.min"] > 100'),
-                                 ("{% if %}", "line 1")):
-            self.write("results/README.md.in", template)
-            with self.subTest(template=template), self.unchanged():
-                self.assert_refused(self.update(), "results/README.md.in", *parts)
-        os.unlink(self.path("results", "README.md.in"))
-        self.assert_refused(self.update(), "results/README.md.in", "cannot be read")
-        self.assert_refused(self.update("--sample"), "--sample")
 
 
 class Study(FolderTest):

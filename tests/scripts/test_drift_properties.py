@@ -221,5 +221,24 @@ class Trends(unittest.TestCase):
         self.assertTrue(fails(rises_only, times=TIMES))
 
 
+def repeated(common=0.0, seed=1):
+    """Returns 100 series of seven rounds with a noise of 1 % each, and a noise that their rounds share."""
+    drawn = random.Random(seed)
+    shared = [drawn.gauss(1.0, common) for _ in range(7)]
+    return [[unit * each * drawn.gauss(1.0, 0.01) for each in shared]
+            for unit in (drawn.uniform(1e-6, 1.0) for _ in range(100))]
+
+
+class HowOftenTrendsAreShown(unittest.TestCase):
+    def test_noise_shows_none_and_a_round_that_is_slow_for_all_is_one_event_and_not_a_hundred(self):
+        self.assertEqual(sum(trend.trend_of(repeated(seed=seed)).is_shown() for seed in range(20)), 0)
+        self.assertLess(sum(trend.trend_of(repeated(0.05, seed)).is_shown() for seed in range(40)), 4)
+
+    def test_a_first_round_without_a_warm_up_is_caught_if_the_times_go_on_to_fall(self):  # the control
+        cold = [[value * factor for value, factor in zip(each, (1.3, 1.1, 1.05, 1.02, 1.01, 1.005, 1.0))]
+                for each in repeated()]
+        self.assertTrue(trend.trend_of(cold).is_shown())
+
+
 if __name__ == "__main__":
     unittest.main()

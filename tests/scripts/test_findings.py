@@ -1,4 +1,4 @@
-"""Tests of findings.json: what is written is read, to six digits, and what is damaged is refused."""
+"""Tests of findings.json and figures.json: what is written is read, to six digits; damaged findings are refused."""
 
 import copy
 import json
@@ -9,6 +9,7 @@ from typing import List, NamedTuple
 
 from programs import ROOT, FolderTest, text_of
 
+from lib.pages import figures
 from lib.programs.messages import UnusableFile
 from lib.records.findings import FILE, as_json, read_findings, record_classes
 from lib.records.formats import finite, list_of, number, one_of, optional, text, truth, whole
@@ -79,6 +80,16 @@ class File(FolderTest):
             with self.subTest(part=part), self.assertRaises(UnusableFile) as caught:
                 self.read({**whole_file, **changes})
             self.assert_one_line(f"{caught.exception}\n", FILE, part)
+
+
+class Figures(FolderTest):
+    def test_what_is_written_is_read_to_six_digits(self):
+        path = self.write("figures.json", figures.as_json({"b": 1.23456789e-7, "a": 47}))
+        self.assertEqual(text_of(path), '{\n  "a": 47,\n  "b": 1.23457e-07\n}\n')
+        self.assertEqual(figures.read_figures(path), {"a": 47, "b": 1.23457e-7})  # damage: test_damage
+        for value in (math.nan, math.inf):
+            with self.assertRaises(ValueError):
+                figures.as_json({"a": value})
 
 
 class Recorded(FolderTest):

@@ -363,7 +363,6 @@ class Notes(IntegrateTest):
         self.assertRegex(done.stderr, r"^integrate: note: 2 threads on 1 core: [^\n]*\n$")
 
 
-@unittest.skipIf(SANITIZED, "sanitised threads take another time")
 @unittest.skipIf(SANITIZED, "a sanitizer's threads take times of their own, and busy processes slow all other tests")
 class Threads(IntegrateTest):
     """Threads that wait for work sleep, so that on a busy machine they take no more time than they work."""
@@ -395,12 +394,14 @@ class Threads(IntegrateTest):
         return strict_json(done.stdout)["seconds"]
 
     def test_two_threads_beside_busy_processes(self):
-        # In turns: the least of several is what a run takes when nobody disturbs it further.
-        one, two, passive = zip(*((self.seconds("1"), self.seconds("2"), self.seconds("2", OMP_WAIT_POLICY="passive"))
-                                  for _ in range(3)))
-        maximum = self.MAXIMUM * min(one)
-        self.assertLess(min(two), maximum)
-        self.assertLess(min(passive), maximum)  # what is asked for is done
+        # In turns: the least of several is what a run takes when nobody disturbs it further. Three are enough.
+        one, two, passive = [], [], []
+        while len(one) < 3 and (not one or max(min(two), min(passive)) >= self.MAXIMUM * min(one)):
+            one.append(self.seconds("1"))
+            two.append(self.seconds("2"))
+            passive.append(self.seconds("2", OMP_WAIT_POLICY="passive"))
+        self.assertLess(min(two), self.MAXIMUM * min(one))
+        self.assertLess(min(passive), self.MAXIMUM * min(one))  # what is asked for is done
         # Since a step is one parallel region, the setting of OpenMP's spins no longer decides this. The control, a
         # thread that is held up, is in tests/parallel_test.cpp.
 

@@ -147,17 +147,6 @@ class Answers(unittest.TestCase):
         self.assertEqual(len(times), 3)
         self.assertTrue(np.array_equal(W, SMOOTH.initial))
 
-    def test_states_of_any_norm_have_the_relative_errors_of_norm_one(self):
-        for solver in isosyrk.SOLVERS:
-            for name in ("cotangent1", "cotangent2", "group1", "group2", "algebra1", "algebra2", "algebra3",
-                         "yoshida4"):
-                method = isosyrk.integrator(SMOOTH, name, solver=solver)
-                wanted, _ = method.run(SMOOTH.initial, 0.1, 5)
-                for factor in (1e-8, 1e-5, 1e3, 1e6):
-                    W, _ = method.run(factor * SMOOTH.initial, 0.1 / factor, 5)
-                    # 5 steps, of the tolerance over 1 - 1/2 each.
-                    self.assertLess(isosyrk.relative_error(W / factor, wanted), 10 * TOLERANCE, (solver, name, factor))
-
 
 class Arrays(unittest.TestCase):
     def setUp(self):
@@ -533,7 +522,7 @@ class Progress(unittest.TestCase):
         self.assertEqual(done.stderr, "")
 
 
-def reference(B, W, time, steps=1000):
+def reference(B, W, time, steps=500):
     """Returns the end of the classical Runge-Kutta method for W' = [B(W), W]."""
     def slope(W):
         return B(W) @ W - W @ B(W)
@@ -597,7 +586,7 @@ class OwnFlow(unittest.TestCase):
         isospectral = {entry.name for entry in isosyrk.integrators() if entry.isospectral}
         for flow in (rigid_body, toda, vortices):
             W0, B = flow()
-            wanted = reference(B, W0, 1.0)
+            wanted = reference(B, W0, 0.5)
             self.assertGreater(isosyrk.relative_error(wanted, W0), 0.01)
             scene = isosyrk.scene(initial=W0, generator=B)
             for name in [*orders, *controls]:
@@ -606,9 +595,9 @@ class OwnFlow(unittest.TestCase):
                         with self.assertRaisesRegex(ValueError, "^elp[46]: B .* self-adjoint .*; elp2 takes any B$"):
                             isosyrk.integrator(scene, name)
                         continue
-                    W, _ = isosyrk.integrator(scene, name).run(W0, 0.025, 40)
+                    W, _ = isosyrk.integrator(scene, name).run(W0, 0.025, 20)
                     order = orders.get(name, 4)
-                    self.assertLess(isosyrk.relative_error(W, wanted), 3e-3 if order == 2 else 1e-5)
+                    self.assertLess(isosyrk.relative_error(W, wanted), 1.5e-3 if order == 2 else 5e-6)
                     self.assertLess(isosyrk.skew_defect(W), 1e-11)
                     if name in isospectral:
                         self.assertLess(isosyrk.spectrum_error(W, np.asarray(W0, complex)), 1e-11)
@@ -654,13 +643,6 @@ class OwnFlow(unittest.TestCase):
         W0, _ = rigid_body()
         with self.assertRaisesRegex(ZeroDivisionError, "by the user"):
             isosyrk.integrator(isosyrk.scene(initial=W0, generator=fails), "elp6")
-
-    def test_exponential_methods_are_for_skew_hermitian_matrices(self):
-        for scene in (isosyrk.scene("symplectic", n=6), isosyrk.scene("pseudo_unitary", n=5, signature=(3, 2))):
-            for name in ("elp2", "elp4", "elp6", "magnus4", "magnus5", "rk4_projected"):
-                with self.subTest(scene=scene.name, name=name), self.assertRaisesRegex(
-                        ValueError, rf"^{name}: for flows of skew-Hermitian matrices \(J = I\) only$"):
-                    isosyrk.integrator(scene, name)
 
     def test_a_generator_sees_skew_hermitian_matrices_only(self):
         W0, B = rigid_body()

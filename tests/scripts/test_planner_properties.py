@@ -1,4 +1,7 @@
-"""Properties of the planner of trials, on outcomes that hypothesis draws; no trial is run and no module is needed."""
+"""Properties of the planner of trials, on outcomes that hypothesis draws, and examples.
+
+No trial is run, and no module is needed.
+"""
 
 import math
 import unittest
@@ -8,7 +11,6 @@ from unittest import mock
 import programs  # noqa: F401, which makes lib importable
 from hypothesis import strategies as draw
 from properties import decades, holds_for
-from test_trial_planner import drive
 
 from lib.running import fresh_process
 from recommender import trial_planner as trial_planner
@@ -35,6 +37,18 @@ def planner(time, error, norm_B, candidates, limit=math.inf):
 
 def outcome(plan, integrator, time, steps, error, seconds=1.0, status=CONVERGED, growth=1.0):
     return replace(plan.outcome(integrator, time, steps, error, seconds, status), growth=growth)
+
+
+def drive(generator, answer):
+    """Sends answer(steps) for each number of steps; returns these, and what the generator returns."""
+    asked = []
+    try:
+        steps = next(generator)
+        while True:
+            asked.append(steps)
+            steps = generator.send(answer(steps))
+    except StopIteration as end:
+        return asked, end.value
 
 
 class Steps(unittest.TestCase):
@@ -238,6 +252,114 @@ class Disturbances(unittest.TestCase):
         with mock.patch("builtins.open", mock.mock_open(read_data=stat)):
             ticks = stolen_seconds(core) * fresh_process.os.sysconf("SC_CLK_TCK")
         self.assertAlmostEqual(ticks, cores.get(core, [0] * 8)[7], delta=1e-3)
+
+
+GROUP, RKMK, RK4 = map(listed, ("group2_frame", "rkmk4_frame", "rk4_frame"))
+
+
+def some(time=8.0, error=1e-6):
+    """Returns a Planner of three methods."""
+    return planner(time, error, 1.0, (GROUP, RKMK, RK4))
+
+
+def trial(plan, kind=GROUP, time=None, steps=80, error=1e-7, seconds=1.0, status=CONVERGED, **others):
+    """Returns an Outcome over the part of a planner, or over another time."""
+    return replace(plan.outcome(kind, plan.time if time is None else time, steps, error, seconds, status), **others)
+
+
+class Examples(unittest.TestCase):
+    """What follows from one outcome or two."""
+
+    def test_the_error_over_a_part(self):
+        plan = some(4 * FIRST_TIME)
+        self.assertEqual(plan.time, FIRST_TIME)
+        plan.uncertainty = 0.0
+        self.assertAlmostEqual(plan.error_over_part(GROUP), 1e-6 / 4)
+        plan.uncertainty = 1e-7  # below some multiple of which no error can be told
+        self.assertAlmostEqual(plan.error_over_part(GROUP), 4e-7)
+        plan.uncertainty = 1.0
+        self.assertEqual(plan.error_over_part(GROUP), 1e-6)
+        plan.trajectory = False
+        self.assertLess(0.0, plan.error_over_part(GROUP))
+        self.assertEqual(plan.error_over_part(RK4), 0.0)  # it loses the spectrum, whatever its energy does
+
+    def test_a_known_method_begins_at_what_is_expected_of_it(self):
+        plan = some(8.0)
+        plan.good[GROUP] = trial(plan, time=4.0, steps=100, error=1e-6, growth=1.0)
+        first = next(plan.tries(GROUP, 1e-6, math.inf))
+        self.assertEqual(first, plan.expected(plan.good[GROUP], 8.0, 1e-6, cautious=False).steps)
+        self.assertGreater(first, 200)
+
+    def test_one_that_is_stopped_or_would_take_too_long_ends_it(self):
+        plan = some(8.0)
+        asked, best = drive(plan.tries(GROUP, 1e-6, 1.0), lambda steps: trial(plan, steps=steps, status=STOPPED,
+                                                                             error=None))
+        self.assertEqual((len(asked), best), (1, None))
+        asked, best = drive(plan.tries(GROUP, 1e-6, 1.0), lambda steps: trial(plan, steps=steps, error=1e-3,
+                                                                             seconds=0.9))
+        self.assertEqual((len(asked), best), (1, None))
+        # The control: with time to spare it is tried again.
+        asked, _ = drive(plan.tries(GROUP, 1e-6, 1e3), lambda steps: trial(plan, steps=steps, error=1e-3, seconds=0.9))
+        self.assertEqual(len(asked), MAX_OF_A_METHOD)
+
+    def references(self, plan, distances):
+        """Drives the refinements with these distances of a pair; returns the steps asked for."""
+        left = iter(distances)
+
+        def answer(steps):
+            return [trial(plan, kind, steps=steps) for kind in (GROUP, RKMK)], next(left)
+
+        return drive(plan.refinements(1e-6, RKMK), answer)[0]
+
+    def test_those_that_part_leave_energy_and_spectrum_to_be_judged(self):
+        plan = some()
+        plan.good[RK4] = trial(plan, RK4)
+        self.references(plan, [0.5] * (MAX_OF_A_METHOD + 1))
+        self.assertEqual((plan.trajectory, plan.good), (False, {}))
+        self.assertIn("differ by 0.5", plan.why)
+
+    def test_a_run_over_the_whole_time_is_offered_as_it_was(self):
+        plan = some()
+        plan.good[GROUP] = trial(plan, time=8.0)
+        (offer,) = plan.ranking()
+        self.assertEqual((offer.steps, offer.seconds, offer.error, offer.status), (80, 1.0, 1e-7, CONVERGED))
+        self.assertTrue(plan.is_timed(offer))
+
+    def test_without_an_offer_energy_and_spectrum_are_judged(self):
+        plan = some()
+        plan.trials = [trial(plan, time=2.0, kept=kept, seconds=seconds)
+                       for kept, seconds in ((1e-4, 1.0), (1e-9, 2.0))]
+        plan.settle()
+        self.assertEqual((plan.trajectory, plan.good[GROUP].error), (False, 1e-9))
+        # The control: with an offer nothing changes.
+        plan = some()
+        plan.good[GROUP] = trial(plan, time=8.0)
+        plan.settle()
+        self.assertTrue(plan.trajectory)
+
+    def test_the_nearest_is_that_over_the_longest_part(self):
+        plan = some()
+        self.assertIsNone(plan.nearest())
+        plan.trials = [trial(plan, time=2.0, error=1e-9), trial(plan, time=4.0, error=1e-3),
+                       trial(plan, time=4.0, error=1e-4), trial(plan, time=8.0, error=None)]
+        self.assertEqual(plan.nearest(), plan.trials[2])
+
+    def test_statements_say_what_was_extrapolated_and_left(self):
+        plan = some()
+        plan.good[GROUP], plan.spent = trial(plan, time=4.0, growth=1.0), True
+        said = " ".join(plan.statements)
+        for part in ("end at T = 4", "extrapolated", "these seconds are scaled", "before all trials were made"):
+            self.assertIn(part, said)
+        plan.good[GROUP], plan.spent = trial(plan, time=8.0), False
+        self.assertEqual(plan.statements, [])
+
+
+class Alone(unittest.TestCase):
+    def test_the_planner_knows_neither_the_module_nor_the_clock(self):
+        with open(trial_planner.__file__, encoding="utf-8") as file:
+            text = file.read()
+        for word in ("import isosyrk", "import numpy", "import time", "signal", "seconds_left"):
+            self.assertNotIn(word, text)
 
 
 if __name__ == "__main__":

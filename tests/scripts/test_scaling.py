@@ -4,16 +4,14 @@ import os
 import sys
 import unittest
 
-from scipy.stats import spearmanr
 
 import drawing
 from programs import DONE, RENDER, environment, run, run_script
-from scaling_documents import NOISE, failed, line, point, write_scaling, write_tables
+from scaling_documents import failed, point, write_scaling, write_tables
 
 from lib.pages.figures import read_figures
 from lib.records.formats import listed
-from studies.scaling.schema import ABLATIONS, Memory, Rate, TwoThreads, read_scaling, ablations_of, without
-from studies.scaling.judge import figures
+from studies.scaling.schema import ABLATIONS, Rate, TwoThreads, read_scaling, ablations_of, without
 
 RENDERING = RENDER, "scaling"
 
@@ -35,11 +33,6 @@ class ScalingTest(drawing.DrawingTest):
 
 
 class Report(ScalingTest):
-    def test_ratios_are_of_the_same_round(self):
-        # However much slower a round was, both forms were so.
-        lines = self.report(points=[point(ablation=ablation) for ablation in ABLATIONS])
-        self.assertIn(["5", "17", "group2", "12.0", "20.0", "–", "0.00374 ±6.8 %", "5.00 ±0.0 %", "2.50 ±0.0 %"], lines)
-
     def test_what_failed_has_no_figures(self):
         lines = self.report(points=[point(ablation="without bands"), failed(ablation="fast")])
         self.assertIn(["5", "17", "group2", *"––––––"], lines)
@@ -55,42 +48,6 @@ class Report(ScalingTest):
         self.assertIn("2 of 3 points were timed once", self.text())
         found = read_figures(self.path("out", "figures.json"))
         self.assertEqual((found["single"], found["points"]), (2, 3))
-
-    def test_the_two_starts_stand_apart(self):
-        slow = [4 * second for second in point(ablation="published").seconds]
-        lines = self.report(points=[point(), point(ablation="published"), point(start=50.0),
-                                    point(start=50.0, ablation="published", seconds=slow)])
-        self.assertIn(["form", "t = 5, n = 17", "t = 50, n = 17"], lines)
-        self.assertIn(["published", "5.00", "20.0"], lines)
-        found = read_figures(self.path("out", "figures.json"))
-        self.assertEqual([found[f"published.n17.t{start}{form}"] for start in (5, 50) for form in ("", ".group")],
-                         [5, 5, 20, 20])
-        self.assertNotIn("published.n17.t5.algebra", found)  # it was not timed
-
-    def test_the_costliest_part(self):
-        for newton, expected in ((2.0, 0.0), (5.5, 0.1)):
-            seconds = [noise * 17e-6 / newton for noise in NOISE]
-            study = self.study(points=[point(), point(ablation="without newton", seconds=seconds)])
-            self.assertAlmostEqual(figures(study)["costliest_part"], expected)
-
-    def test_exponential_methods_have_a_table_of_their_own(self):
-        lines = self.report(points=[point(name, n, ablation) for name in ("elp2", "elp4", "rkmk4") for n in (17, 33)
-                                    for ablation in ablations_of(listed(name)) if (name, n) != ("elp2", 33)])
-        self.assertIn(["elp2", "without explicit start", "2.50 ±0.0 %", "–"], lines)
-        self.assertIn(["rkmk4", "without graded series", "2.50 ±0.0 %", "2.50 ±0.0 %"], lines)
-        found = read_figures(self.path("out", "figures.json"))
-        self.assertEqual(found["exponential.published.n33.t5"], 5)
-        self.assertEqual(found["exponential.without_graded_series.n33.t5.rkmk4"], 2.5)
-        self.assertNotIn("published.n17.t5", found)  # no cell of Table 1
-        self.assertNotIn("costliest_part", found)
-
-    def test_shares_of_products(self):
-        rates = [Rate(17, "fast", [4e-8] * 3), Rate(17, "published", [1e-7] * 3)]
-        found = figures(self.study(points=[point("group2_frame"), point("group2_frame", ablation="published")],
-                                   rates=rates))
-        # 20 products in 3.74 µs, and 100 in 18.7 µs.
-        self.assertAlmostEqual(found["share.group2_frame.fast.n17.t5"], 20 * 4e-8 / 3.74e-6)
-        self.assertAlmostEqual(found["share.group2_frame.published.n17.t5"], 100 * 1e-7 / 18.7e-6)
 
     def test_the_rough_scene_beside_the_smooth_one(self):
         times = {"smooth": 2e-6, "rough": 3e-6}
@@ -109,21 +66,6 @@ class Report(ScalingTest):
         self.report(points=[point("elp4_frame", 129)])
         self.assertNotIn("rough scene", self.text())
         self.assertFalse({key for key in read_figures(self.path("out", "figures.json")) if "products." in key})
-
-    def test_slopes(self):
-        cube = {n: 1e-9 * n**3 for n in (17, 65, 129, 513)}
-        points = [*line("group2_frame", "fast", 5.0, {**cube, 17: 1.0}), *line("rk4_frame", "fast", 5.0, {65: 1.0})]
-        found = figures(self.study(points=points))
-        self.assertAlmostEqual(found["slope.group2_frame.fast.n65_n513.t5"], 3)
-        self.assertEqual([key for key in found if key.startswith("slope.rk4")], [])
-        self.assertIn(["group2\\_frame", "fast", "5", "65 to 513", "3.00¹"], self.report(points=points))
-
-    def test_bands_on_and_off(self):
-        points = [each for n in (17, 33) for ablation in ("fast", "without bands")
-                  for each in (point("elp4_frame", n, ablation), point("group1", n, ablation))]
-        lines = self.report(points=points)
-        self.assertIn(["elp4\\_frame", "2.50 ±0.0 %", "2.50 ±0.0 %"], lines)
-        self.assertIn(["cells of Table 1", "2.50", "2.50"], lines)
 
     def test_two_threads_of_older_files_have_an_interval_and_undecided_ones_a_mark(self):
         one = [1.8e-3, 1.82e-3, 1.78e-3, 1.8e-3, 1.81e-3, 1.79e-3]
@@ -146,23 +88,9 @@ class Report(ScalingTest):
                     env=environment(PYTHONPATH=self.path("without"), ISOSYRK_PYTHON=None))
         self.assert_refused(found, "render scaling: no Python with scipy found", "install python3-scipy")
 
-    def test_memory(self):
-        self.assertIn(["1025", "3.9"], self.report(points=[point()], memory=[Memory(1025, 3.9e9)]))
-        self.assertAlmostEqual(read_figures(self.path("out", "figures.json"))["memory.n1025"], 3.9)
-
-    def test_repetitions_with_a_trend_are_caught(self):
-        level = [1.0, 1.02, 0.99, 1.01, 0.98, 1.03, 1.0]
-        for times, shown in ((level, False), (sorted(level), True), (sorted(level, reverse=True), True)):
-            study = self.study(points=[point(n=n, seconds=[1e-6 * n * each for each in times]) for n in (9, 17, 33)])
-            with self.subTest(times=times):
-                self.assertEqual(study.trend().is_shown(), shown)
-                self.assertEqual(figures(study)["trend.series"], 3)
-                expected = spearmanr(times, range(len(times)))[0]  # the correlation
-                self.assertAlmostEqual(figures(study)["trend.correlation"], expected)
-        self.assertNotIn("trend.series", figures(self.study(points=[point()])))
-
     def test_ablations(self):
-        self.assertEqual(ablations_of(listed("group2")), ("published", "without any", "without newton", "without predictor",
+        self.assertEqual(ablations_of(listed("group2")), ("published", "without any", "without newton",
+                                                      "without predictor",
                                                       "without bands", "fast"))
         # What fast forms no longer do without is read in older files, and not timed again.
         self.assertEqual({*ABLATIONS} - {*ablations_of(listed("elp6"))}, {"without single precision"})

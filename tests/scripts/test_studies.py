@@ -23,7 +23,7 @@ from lib.records import formats
 from lib.programs.messages import UnusableFile
 from studies.scaling import schema as scaling_table
 from lib.records.formats import FAST, PUBLISHED, listed
-from lib.records.integrators import NAMED, TABLE1_CELLS, name_with_order
+from lib.records.integrators import NAMED, TABLE1_CELLS
 from studies.accuracy.lines import FLOOR_MARGIN
 from studies.accuracy.schema import GOOD_ENOUGH, SCHEMA, Form
 from lib.records.settings import Problem
@@ -147,10 +147,9 @@ class Work(SquaresTest):
     def test_an_interrupted_study_goes_on_and_leaves_no_process(self):
         """Ctrl-C, SIGTERM and kill -9, among untimed work and while a fresh process is timed."""
         for sent, status, told, after, other in (
-                (signal.SIGINT, INTERRUPTED, "interrupted", 4, ""), (signal.SIGKILL, -signal.SIGKILL, "", 4, ""),
+                (signal.SIGINT, INTERRUPTED, "interrupted", 4, ""),
                 (signal.SIGTERM, TERMINATED, "terminated", 4, "commit"),  # of another program
-                (signal.SIGTERM, TERMINATED, "terminated", 4, "scripts"),  # of other studies
-                (signal.SIGTERM, TERMINATED, "terminated", UNTIMED + TIMED - 2, ""),
+                (signal.SIGKILL, -signal.SIGKILL, "", 4, "scripts"),  # of other studies
                 (signal.SIGKILL, -signal.SIGKILL, "", UNTIMED + TIMED - 1, "")):
             with self.subTest(signal=sent, after=after):
                 finished = self.interrupted(sent, status, told, after)
@@ -352,7 +351,8 @@ class Scaling(StudyTest):
             self.assertEqual(caught.exception.status, NO_ANSWER)
 
     def test_forms_with_a_memory_are_warm_when_the_timed_steps_start(self):
-        for changes, memory in (({}, True), ({"ablation": "without bands"}, True), ({"ablation": "without predictor"}, True),
+        for changes, memory in (({}, True), ({"ablation": "without bands"}, True),
+                                ({"ablation": "without predictor"}, True),
                                 ({"ablation": "published"}, False), ({"ablation": "without any"}, False),
                                 ({"integrator": "rk4"}, False)):
             point = self.point(**changes)
@@ -407,7 +407,8 @@ class Scaling(StudyTest):
         self.assertEqual({(self.plan.warm_steps(each), self.plan.begin_of(each)) for each in points
                           if each["n"] == 1025}, {(15, 4.625), (6, 4.625)})
         self.assertEqual(self.plan.lines(), ["algebra1_frame", "group2_frame", "elp4_frame", "rk4_frame"])
-        self.assertEqual(found[257], {(name, ablation) for name in self.plan.lines() for ablation in scaling_table.BASIC})
+        self.assertEqual(found[257], {(name, ablation) for name in self.plan.lines()
+                                      for ablation in scaling_table.BASIC})
         self.assertEqual({name for name, _ in found[129]}, {entry.name for entry in entries if entry.has_fast_form})
         self.assertEqual({name for name, _ in found[65]}, {entry.name for entry in entries})
         self.assertLess(found[129], found[65])
@@ -502,32 +503,6 @@ class Accuracy(StudyTest):
         self.assertEqual([found.cost(self.PROBLEM, "rk4", error, beyond=beyond).fine.steps for beyond in (True, False)],
                          [10, 20])
 
-    def test_a_search_tries_what_the_order_tells_or_else_the_middle(self):
-        def fewest(errors, first, order=4):
-            """Returns the steps found and those tried, where errors(steps) is None for a run that fails."""
-            tried = []
-
-            def look(steps):
-                tried.append(steps)
-                error = errors(steps)
-                return SimpleNamespace(steps=steps, usable=error is not None, error=error)
-
-            run = comparisons.fewest_steps(look, first, 1e-6, order)
-            return run and run.steps, tried
-
-        for order, first in ((4, 300), (4, 40), (8, 300), (8, 101)):
-            minimum = next(steps for steps in range(1, 999) if (100 / steps) ** order <= 1)
-            found, tried = fewest(lambda steps: 1e-6 * (100 / steps) ** order, first, order)
-            self.assertLessEqual(found, comparisons.CLOSE * minimum)
-            self.assertGreaterEqual(found, minimum)
-            self.assertLess(len(tried), 8)
-        # Steps that fail altogether, and an order that is not the method's.
-        for errors in (lambda steps: 1e-9 if steps >= 57 else None, lambda steps: 1e-6 * (57 / steps) ** 0.7):
-            found, tried = fewest(errors, 200)
-            self.assertTrue(57 <= found <= 58, found)
-            self.assertLess(len(tried), comparisons.MAX_RUNS)
-        self.assertIsNone(fewest(lambda steps: None, 10)[0])
-
     def test_which_methods_may_stand_in_a_comparison(self):
         found = accuracy_of_lines({"group2_frame": 4e-3, "group3_frame": 4.5e-3, "group4_frame": 9e-3,
                                    "rk4_frame": 5e-3, "rk8_frame": 2e-3, "bm2_frame": None, "elp2_frame": 1e-6,
@@ -620,13 +595,6 @@ class Accuracy(StudyTest):
         self.assertLessEqual({*TABLE1_CELLS, "yoshida4", "rk4_frame", "rk8_frame", "elp6_frame", "group4_frame"},
                              {each.name for each in quick})
         self.assertLess(3 * len(quick), len(known))
-
-    def test_methods_have_names_of_their_own(self):
-        for name, expected in (("group2", "group2 (order 4)"), ("algebra2_frame", "algebra2 (order 4)"),
-                               ("direct1", "direct1 (order 2)"), ("bm2", "bm2 (order 4)"), ("rk4", "rk4"),
-                               ("rk4_projected_frame", "rk4_projected"), ("elp6", "elp6"),
-                               ("kahan_li6_frame", "kahan_li6")):
-            self.assertEqual(name_with_order(listed(name)), expected)
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")

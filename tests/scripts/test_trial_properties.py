@@ -142,7 +142,8 @@ class Comparisons(unittest.TestCase):
             self.assertTrue(0 <= found[row] <= max(0, maximum - count))
             if count >= verdicts.FEWEST:
                 said = verdicts.compared(seconds["explicit"], seconds[row])
-                self.assertEqual(bool(found[row]), said == verdicts.UNDECIDED and count < min(maximum, verdicts.MAXIMUM))
+                self.assertEqual(bool(found[row]),
+                                 said == verdicts.UNDECIDED and count < min(maximum, verdicts.MAXIMUM))
         stopped = {**seconds, "explicit": [*seconds["explicit"], 1.0, 1.0]}
         self.assertEqual(comparisons.further_processes(maximum, stopped)["gauss"], 0)  # and does not begin again
 

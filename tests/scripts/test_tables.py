@@ -1,4 +1,4 @@
-"""Tests of scripts/render_table1 on made-up raw files: what it shows in this process, refusals as a user meets them."""
+"""Tests of what is rendered of Tables 1 and 2, on made-up raw files; what is refused as a user meets it."""
 
 import itertools
 import json
@@ -8,11 +8,12 @@ import re
 import sys
 import unittest
 
-from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script, strict_json, text_of
+from programs import (DONE, FORMULATIONS, RENDER, ROOT, FolderTest, environment, run, run_script, strict_json,
+                      text_of)
 
 from lib.pages import document
 from lib.pages.numbers import three_digits
-from studies.tables.report import table1
+from studies.tables.report import table1, table2
 from test_reproduce import HOST_NAME, raw_file
 
 SCRIPT = os.path.join(ROOT, "scripts", "render_table1")
@@ -109,20 +110,6 @@ class TableTest(FolderTest):
 
 
 class WhatIsShown(TableTest):
-    def test_a_time_is_the_geometric_mean_of_the_processes_with_its_interval(self):
-        # Six logarithms, 5 % up or down: the interval is t(5) · s / √6 = 2.571 · 0.0548 / 2.449 = 5.75 %, and e^0.0575.
-        for times, shown in ((repeated(0.003, spread=0.05), "0.00300 ±5.9 %"), ([0.003], "0.00300†")):
-            found = entries(self.times(raw(cells={("group", 17, 1): times})), 17, "group")[0]
-            self.assertEqual(found.rstrip("*"), shown)
-
-    def test_the_time_of_a_process_is_the_least_of_its_repetitions(self):
-        data = raw()
-        for row in list(rows_of(data, ("group", 17, 1))):
-            if row["run_type"] == "iteration":
-                data["benchmarks"] += [{**row, "repetition_index": index, "cpu_time": cpu_time}
-                                       for index, cpu_time in ((1, 4.0), (2, 900.0))]
-        self.assertEqual(entries(self.times(data), 17, "group")[0], "0.00300 ±0.0 %")
-
     def test_what_changes_nothing(self):
         plain = self.render()
         for change in (lambda row: row.update(run_name=row["run_name"] + "/min_time:0.500/repeats:7"),
@@ -156,15 +143,6 @@ class WhatIsShown(TableTest):
         self.assertEqual(pair_row(text, 17, 1, "cotangent", "algebra"), ["2.00 (2.00–2.00)", "5", "undecided"])
         self.assertTrue(claim_cell(text, "a", 17, 1).startswith("undecided"))
 
-    def test_the_papers_seconds_and_winners_stand_beside_ours(self):
-        times = self.times()
-        self.assertEqual(entries(times, 129, "group")[3:], ["19.5", "26.8*", "31.3*"])
-
-    def test_ratios_are_to_the_fastest_row_of_the_block(self):
-        ratios = section(self.render(), "Ratios to the fastest row of the block")
-        self.assertEqual(entries(ratios, 17, "cotangent")[:3], ["2.00", "1.33", "1.20"])
-        self.assertEqual(entries(ratios, 17, "algebra")[3:], ["1.00*", "2.92", "3.92"])
-
     def test_what_was_not_measured_is_shown_as_missing(self):
         times = self.times(raw(sizes=(17,), processes=7, cells={("group", 17, 2): None}))
         self.assertEqual(entries(times, 65, "group")[:3], ["–"] * 3)
@@ -180,13 +158,6 @@ class WhatIsShown(TableTest):
         data = raw()
         rows_of(data, ("group", 17, 1))[3].update(error_occurred=True, error_message=why)  # fails the cell
         self.assertIn(f"failed: {why} (1 of 6 repetitions)", " ".join(self.render(data).split()))
-
-    def test_counters_are_medians_with_three_digits(self):
-        data = raw()
-        for row, sweeps in zip(rows_of(data, ("cotangent", 17, 1)), (1, 900, 2, 12, 800, 14)):
-            row.update(sweeps_per_step=sweeps, product_share=0.4321, spectrum_error=1e-15, skew_defect=0, h_norm_B=0.14)
-        self.assertRegex(section(self.render(data), COUNTERS),
-                         r"17 +1 +cotangent +13\.0 +1\.00e-15 +43\.2 % +0 +\S+ +0\.140\n")
 
     def test_errors_stand_where_a_run_was_given_reference_solutions(self):
         data = changed(("group", 17, 2), relative_error=3.1e-6, reference_uncertainty=2.1e-14)
@@ -213,34 +184,6 @@ class WhatIsShown(TableTest):
 
 class Verdicts(TableTest):
     """By SECONDS all claims hold at every n; a case changes some cells at n = 17."""
-
-    CASES = (
-        ("a", 1, {}, "holds, 1.50"),
-        ("a", 1, {"algebra": repeated(0.003), "group": repeated(0.002)}, "fails, 0.667"),
-        ("a", 1, {"group": repeated(0.00204, spread=0.01)}, "tie, 1.02"),
-        ("a", 1, {"group": repeated(0.0021, spread=0.03)}, "undecided, 1.05"),
-        ("a", 1, {"cotangent": repeated(0.004, 4)}, "undecided, 1.50"),  # too few processes of that row
-        ("a", 1, {"group": "stagnated at step 2"}, "–"),
-        ("b", 2, {"cotangent": repeated(0.006), "algebra": repeated(0.0061)}, "tie, 1.00"),
-        ("b", 2, {"cotangent": repeated(0.006), "algebra": repeated(0.005)}, "fails, 0.833"),
-        ("c", 3, {}, "holds, 3.00"),
-        ("c", 3, {"cotangent": repeated(0.009)}, "holds, 3.33"),
-        ("c", 3, {"algebra": repeated(0.019)}, "fails, 1.90"),
-        ("c", 3, {"algebra": repeated(0.0201, spread=0.03)}, "undecided, 2.01"),
-    )
-
-    def test_claims(self):
-        for claim, stages, cells, expected in self.CASES:
-            with self.subTest(claim=claim, cells=list(cells)):
-                text = self.render(raw(cells={(name, 17, stages): cell for name, cell in cells.items()}))
-                self.assertEqual(claim_cell(text, claim, 17, stages), expected)
-                self.assertTrue(claim_cell(text, claim, 33, stages).startswith("holds"))
-
-    def test_pairs(self):
-        text = self.render(raw(cells={("group", 17, 1): repeated(0.00204, spread=0.01)}))
-        self.assertEqual(pair_row(text, 17, 1, "cotangent", "algebra"), ["2.00 (2.00–2.00)", "6", "slower"])
-        self.assertEqual(pair_row(text, 17, 1, "group", "algebra"), ["1.02 (1.01–1.03)", "6", "tie"])
-        self.assertEqual(pair_row(text, 17, 3, "group", "algebra")[2], "faster")
 
     def test_verdicts_as_data_say_the_same(self):
         data = raw(sizes=(17, 33), cells={("group", 17, 1): repeated(0.00204, spread=0.01), ("algebra", 33, 3): None})
@@ -362,6 +305,48 @@ class Refusals(TableTest):
         run_script(SCRIPT, self.path("raw.json"), "--output", output)
         self.assertEqual(text_of(output), expected)
         self.assertEqual(sorted(os.listdir(self.folder)), ["raw.json", "table.txt"])
+
+
+class Table2(TableTest):
+    def raw_of_both(self):
+        return raw_file(tables=("table2", "table1"))
+
+    def text(self, data):
+        return document.as_text(table2(self.put(data)))
+
+    def gains(self, data):
+        """Returns the rows of n = 17 in "Table 1 over Table 2": {row: three texts}."""
+        part = self.text(data).split("Table 1 over Table 2\n")[1].split("Ratios to the fastest")[0]
+        lines = [re.sub(r" \([^ ]*\)", "", line).split() for line in part.splitlines()]  # without the intervals
+        start = next(index for index, words in enumerate(lines) if words[:1] == ["17"])
+        return {" ".join(words[:-3]).removeprefix("17 "): words[-3:] for words in lines[start:start + 4]}
+
+    def test_the_last_row_compares_the_fastest_of_each_side_and_a_failed_cell_has_no_gain(self):
+        data = self.raw_of_both()
+        for row in data["benchmarks"]:
+            table, formulation, n, stages = row["run_name"].split("/")
+            milliseconds = 2.0 * int(stages[-1]) + FORMULATIONS.index(formulation)
+            row["cpu_time"] = milliseconds / (2 if table == "table2" else 1)
+            if row["run_name"] == "table2/algebra/n:17/s:1":
+                row["cpu_time"] = 0.5  # cotangent, the fastest published row, takes 2
+            if row["run_name"] == "table1/group/n:17/s:2":
+                row.update(error_occurred=True, error_message="diverged at step 3")
+        self.assertEqual(self.gains(data), {"cotangent": ["2.00"] * 3, "group": ["2.00", "–", "2.00"],
+                                            "algebra": ["8.00", "2.00", "2.00"],
+                                            "fastest row": ["4.00*", "2.00*", "2.00*"]})
+
+    def test_rows_of_two_threads_do_not_enter_the_table(self):
+        data = self.raw_of_both()
+        alone = self.text(data)
+        data["benchmarks"] += [{**row, "run_name": f"{row['run_name']}/threads:2", "cpu_time": 2 * row["cpu_time"]}
+                               for row in data["benchmarks"]]
+        self.assertEqual(self.text(data), alone)
+
+    def test_foreign_files_are_refused(self):
+        one = self.write("one.json", json.dumps(raw_file(tables=("table2",))))
+        other = self.write("table1.json", json.dumps(raw_file()))
+        for path, *parts in ((one, "one.json", "table1/"), (other, "table1.json", "table1", "table2")):
+            self.assert_refused(run_script(RENDER, "table2", path), *parts)
 
 
 class Numbers(unittest.TestCase):
