@@ -42,7 +42,8 @@ def tables(count=len(PROCESSES)):
              for row, other in itertools.combinations(FORMULATIONS, 2)]
     products = [OctaveProduct(n, processes(1e-4, count)) for n in (17, 33)]
     return {"octave": octave, "octave_pairs": pairs, "octave_products": products, "samples": samples,
-            "threads": threads, "rates": [Rate(65, processes(RATES.product, count), processes(RATES.single_pass, count))]}
+            "threads": threads,
+            "rates": [Rate(65, processes(RATES.product, count), processes(RATES.single_pass, count))]}
 
 
 def write_claims(folder, made=None, name="claims.json"):
