@@ -15,7 +15,7 @@ from . import LARGEST_N, Matrix, Mode, _core, _real, _skew_hermitian, _text, _ti
 __all__ = ["energy_spectrum", "laplace", "modes", "plot", "solve_poisson", "vorticity"]
 
 PROJECTIONS = ("mollweide", "orthographic")
-LEAST_ROWS, MOST_ROWS = 180, 720  # of the grid that plot() draws: smooth at small n, no finer than a picture at large n
+LEAST_ROWS, MOST_ROWS = 180, 720  # of the grid that plot() draws: four a wave of the smallest scale, within these
 
 
 def modes(W: ArrayLike) -> List[Mode]:
@@ -120,7 +120,7 @@ def plot(W: ArrayLike, projection: str = "mollweide", center: Tuple[float, float
         raise ImportError("plot: needs matplotlib (the package python3-matplotlib, or pip install matplotlib)"
                           ) from None
     W = _vorticity_matrix(W)
-    rows = min(max(len(W), LEAST_ROWS), MOST_ROWS)
+    rows = min(max(2 * len(W), LEAST_ROWS), MOST_ROWS)
     edges = np.linspace(-np.pi / 2, np.pi / 2, rows + 1), np.linspace(-np.pi, np.pi, 2 * rows + 1)
     middles = [(each[1:] + each[:-1]) / 2 for each in edges]
     field = vorticity(W, middles[0], middles[1] + longitude, berezin)
@@ -141,6 +141,8 @@ def plot(W: ArrayLike, projection: str = "mollweide", center: Tuple[float, float
         field = np.ma.array(field, mask=is_hidden)
         axes.set(aspect="equal", xlim=(-1.02, 1.02), ylim=(-1.02, 1.02))
         axes.axis("off")
+        rim = np.linspace(0, 2 * np.pi, 361)
+        axes.plot(np.cos(rim), np.sin(rim), color="black", linewidth=0.8)
     mesh = axes.pcolormesh(x, y, field, cmap="RdBu_r", vmin=-vmax, vmax=vmax, rasterized=True)
     if projection == "mollweide":
         axes.grid(alpha=0.2, color="black")
