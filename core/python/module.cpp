@@ -11,7 +11,10 @@
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/catalogue/measured_limits.h"
+#include "isosyrk/flows/harmonic.h"
 #include "isosyrk/flows/invariants.h"
+#include "isosyrk/flows/laplacian.h"
+#include "isosyrk/flows/spherical_harmonics.h"
 #include "isosyrk/machine/memory.h"
 #include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/scenes/scene_list.h"
@@ -258,6 +261,29 @@ void bind_measures(py::module_& module) {
   });
 }
 
+void bind_fields(py::module_& module) {
+  module.def(
+      "harmonic_coefficients", [](const Array& W) { return harmonic_coefficients(matrix_of(W)); },
+      Aside());
+  module.def("along_latitudes", &along_latitudes, Aside());
+  module.def(
+      "laplace",
+      [](const Array& P) {
+        Matrix W(P.shape(0), P.shape(0));
+        Laplacian(P.shape(0)).apply(matrix_of(P), W);
+        return W;
+      },
+      Aside());
+  module.def(
+      "solve_poisson",
+      [](const Array& W) {
+        Matrix P(W.shape(0), W.shape(0));
+        Laplacian(W.shape(0)).solve_skew_hermitian(matrix_of(W), 1.0, P);
+        return P;
+      },
+      Aside());
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_core, module) {
@@ -266,6 +292,7 @@ PYBIND11_MODULE(_core, module) {
   bind_scenes(module);
   bind_integrators(module);
   bind_measures(module);
+  bind_fields(module);
 }
 
 }  // namespace isosyrk::python

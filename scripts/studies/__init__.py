@@ -81,6 +81,8 @@ STUDIES = (
           of_one_part("theorem", "Comparing the formulations on every algebra")),
     Study("turbulence", "what long turbulent runs average to, and at what cost", 40, 0.5,
           of_one_part("turbulence", "Running turbulence, and timing its steps")),
+    Study("fluid", "what one turbulent flow looks like, and what methods lose of it", 5, 0.5,
+          of_one_part("fluid", "Running one turbulent flow")),
     Study("claims", "the paper's claims in GNU Octave, with AVX2 kernels, other initial data and two threads, in one"
           " table with what the other studies recorded", 50, 4,
           (Part("claims", "raw.json", "Measuring the paper's claims"),

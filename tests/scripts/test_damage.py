@@ -19,13 +19,14 @@ from programs import HAS_MODULE, RENDER, ROOT, FolderTest, run_script, text_of
 from studies.accuracy.lines import read_accuracy
 from studies.accuracy.schema import SCHEMA as ACCURACY
 from studies.claims import schema as claims_files
+from studies.fluid import schema as fluid_files
 from studies.limits import schema as limits_files
 from studies.longruns import schema as longruns_files
 from studies.scaling import schema as scaling_table
 from studies.threads import schema as threads_table
 from studies.claims.judge import read_claims_table
 from lib.pages.figures import read_figures
-from lib.records.formats import LATER_FIELDS, LISTED, listed, listed_integrators, study_of
+from lib.records.formats import LATER_FIELDS, LISTED, listed, listed_integrators, study_of, write_study
 from lib.programs.messages import UnusableFile
 import test_longruns
 
@@ -50,6 +51,15 @@ def write_longruns(folder):
     return test_longruns.write_longruns(folder, test_longruns.made_study(points, runs))
 
 
+def write_fluid(folder):
+    path = os.path.join(folder, "raw.json")
+    state = {"energies": (0.5, 0.25), "vorticity": (0,) * (fluid_files.ROWS * fluid_files.COLUMNS)}
+    write_study(path, fluid_files.SCHEMA, {"cpu": "made up"}, fluid_files.Settings(3, 0, 1.5), {
+        "integrators": [listed("rk4")], "starts": [fluid_files.Start(**state)],
+        "ends": [fluid_files.End("rk4", 0.5, 1e-8, 10.0, 80.0, 1e-3, 0.9, 0.1, **state)]})
+    return path
+
+
 def write_threads(folder):
     return threads_documents.write_threads(os.path.join(folder, "raw.json"), [
         threads_documents.run(), threads_documents.run(2)])
@@ -68,6 +78,7 @@ STUDIES = {
     "accuracy": (lambda folder: study_documents.write_study(folder, study_documents.small_study()),
                  ACCURACY, read_accuracy, "accuracy"),
     "claims": (claims_documents.write_claims, claims_files.SCHEMA, claims_files.read_claims, "claims"),
+    "fluid": (write_fluid, fluid_files.SCHEMA, fluid_files.read_fluid, "fluid"),
     "limits": (lambda folder: limits_documents.write(folder, limits_documents.limits_study()), limits_files.SCHEMA,
                limits_files.read_limits, "limits"),
     "longruns": (write_longruns, longruns_files.SCHEMA, longruns_files.read_longruns, "longruns"),
@@ -314,6 +325,9 @@ CONTRADICTIONS = {
         (keep("threads", lambda row: row["threads"] > 1), "no single thread"),
         (change("threads", seconds=lambda found: found[:2]), "unequally many"),
         (change("octave", seconds=[]), "one time or more")),
+    "fluid": (
+        (none("starts"), "not one row"), (none("integrators"), "has no rk4"),
+        (change("ends", energies=[0.5]), "energies of another n"), (change("ends", vorticity=[0]), "vorticity")),
     "limits": (
         (none("limits"), "no limits"), (change("limits", grid="++?"), "unknown outcomes"),
         (keep("states", is_of(state=0)), "a state that it does not list"),

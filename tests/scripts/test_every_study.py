@@ -60,7 +60,8 @@ READERS = {"accuracy": read_accuracy, "claims": read_claims, "limits": read_limi
            "scaling": read_scaling, "theorem": lambda path: read_study(path, theorem_table.SCHEMA),
            "threads": read_threads, "turbulence": read_turbulence}
 # What is rendered of each alone, and the charts that it draws from so little.
-CHARTS = {"accuracy": ("error_against_time", "performance_profile", "time_against_n"), "claims": (), "limits": (),
+CHARTS = {"accuracy": ("error_against_time", "performance_profile", "time_against_n"), "claims": (),
+          "fluid": ("energy_spectra",), "limits": (),
           "longruns": ("energy_against_cost", "energy_against_time", "spectrum_against_cost"), "scaling": (),
           "theorem": (), "turbulence": ()}
 STUDIES = {*studies.PACKAGES} - {"references", "tables"}
@@ -122,6 +123,7 @@ class Every(StudyTest):
                 files = snapshot(out)
                 kept = {"report.md", "figures.json", *(["claims.json"] if name == "claims" else ()),
                         *(["findings.json"] if name in ("accuracy", "theorem", "turbulence") else ()),
+                        *(["fluid.png", "methods.png"] if name == "fluid" else ()),
                         *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))}
                 self.assertEqual(set(files), kept)
                 report = files["report.md"].decode("utf-8")

@@ -1023,7 +1023,7 @@ class Package(unittest.TestCase):
     def test_examples_of_the_pages_run(self):
         pages = text_of(ROOT, "README.md") + text_of(ROOT, "core", "python", "README.md")
         examples = re.findall(r"^```python\n(.*?)^```", pages, re.M | re.S)
-        self.assertEqual(len(examples), 4)
+        self.assertEqual(len(examples), 5)
         for example in examples:
             if "quflow" in example:
                 continue  # test_quflow.py runs it

@@ -62,7 +62,7 @@ class Pip(FolderTest):
         path, *found = line.split()
         self.assertTrue(path.startswith(os.path.join(self.root, "venv")), path)
         self.assertEqual(found, [VERSION, VERSION, "5"])
-        for name in ("__init__.py", "_core.pyi", "py.typed", "quflow.py"):
+        for name in ("__init__.py", "_core.pyi", "fluid.py", "py.typed", "quflow.py"):
             self.assertIn(f"'{name}'", files)
 
     def test_the_extension_that_measures_is_there_or_its_absence_is_said(self):

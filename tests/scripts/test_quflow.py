@@ -11,6 +11,7 @@ import importlib
 import importlib.util
 import inspect
 import io
+import math
 import os
 import pickle
 import re
@@ -25,6 +26,7 @@ from programs import BUILD, ROOT, text_of
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
+from numpy.polynomial import legendre
 
 import isosyrk
 
@@ -431,6 +433,21 @@ def compiled(*function, **_):
     return function[0] if function and callable(function[0]) else lambda plain: plain
 
 
+def synthesis_2d(alm, ntheta, nphi, lmax, geometry, **_):
+    """Stands for ducc0.sht.experimental.synthesis_2d: a real map of orthonormal harmonics, on quflow's grid "MW"."""
+    assert geometry == "MW"
+    theta = np.pi * (2 * np.arange(ntheta) + 1) / (2 * ntheta - 1)
+    phi = 2 * np.pi * np.arange(nphi) / nphi
+    field, place = np.zeros((ntheta, nphi)), 0
+    for m in range(lmax + 1):
+        for l in range(m, lmax + 1):
+            size = math.sqrt((2 * l + 1) / (4 * np.pi) * math.factorial(l - m) / math.factorial(l + m))
+            P = (-np.sin(theta))**m * legendre.Legendre.basis(l).deriv(m)(np.cos(theta))
+            field += (2 if m else 1) * np.outer(size * P, (alm[0, place] * np.exp(1j * m * phi)).real)
+            place += 1
+    return field[np.newaxis]
+
+
 class Dataset:
     def __init__(self, shape, dtype):
         self.array, self.attrs = np.zeros(shape, dtype), {}
@@ -502,7 +519,9 @@ class File(Group):
 def stubs():
     """Returns a module for each need of quflow that is missing here."""
     contents = {"numba": dict(njit=compiled, jit=compiled, prange=range), "h5py": dict(File=File, Dataset=Dataset),
-                "appdirs": dict(user_data_dir=lambda *_: tempfile.gettempdir()), "ducc0": {}, "matplotlib": {}}
+                "appdirs": dict(user_data_dir=lambda *_: tempfile.gettempdir()), "matplotlib": {},
+                "ducc0": dict(sht=types.SimpleNamespace(
+                    experimental=types.SimpleNamespace(synthesis_2d=synthesis_2d)))}
     missing = {}
     for name, names in contents.items():
         if importlib.util.find_spec(name) is None:
@@ -598,6 +617,23 @@ class QuflowItself(unittest.TestCase):
         scene = isosyrk.scene(modes=modes_of(self.omega, self.N), n=self.N, hbar="standard")
         np.testing.assert_allclose(scene.initial, self.W, atol=1e-13)
         self.assertAlmostEqual(scene.energy(self.W) / self.N / self.quflow.energy_euler(self.W), 1, 12)
+
+    def test_fields_and_energies_of_the_page(self):
+        quflow, N = self.quflow, 12  # closed forms of the stand-in lose digits at large l
+        omega = np.random.default_rng(2).normal(size=N * N)
+        W = quflow.shr2mat(omega)
+        theta, phi = (each[:, 0] if place else each[0] for place, each in zip((1, 0), quflow.sphgrid(N)))
+        for berezin in (False, True):
+            wanted = quflow.shr2fun(quflow.mat2shr(W), berezin=berezin)
+            found = isosyrk.vorticity(W, np.pi / 2 - theta, phi, berezin=berezin)
+            np.testing.assert_allclose(found, wanted, atol=1e-10)
+            self.assertGreater(np.abs(isosyrk.vorticity(W, theta - np.pi / 2, phi, berezin) - wanted).max(), 0.1)
+        np.testing.assert_array_equal(quflow.shr2fun(quflow.mat2shr(W)), wanted)  # by default
+        degrees, energies = quflow.analysis.energy_spectrum(W)
+        np.testing.assert_array_equal(degrees, np.arange(1, N))
+        np.testing.assert_allclose(isosyrk.energy_spectrum(W)[1:], N / 2 * energies)
+        np.testing.assert_allclose(isosyrk.solve_poisson(W), quflow.solve_poisson(W), atol=1e-12)
+        np.testing.assert_allclose(isosyrk.laplace(W), quflow.laplacian.laplace(W), atol=1e-10)
 
     def test_the_callback_of_a_step(self):
         seen = {}

@@ -19,7 +19,7 @@ from lib.judging.trend import trend_of
 import studies
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
-MAX_BYTES = 6 * 2**20
+MAX_BYTES = 8 * 10**6
 
 
 def text(*path):
@@ -44,7 +44,9 @@ class Recorded(FolderTest):
         done = run([drawing.PYTHON, "-B", RENDER, study, raw(study), "--out", self.path(study)], timeout=300,
                    env=environment(MPLCONFIGDIR=self.path("matplotlib")))
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        return {name: data for name, data in snapshot(self.path(study)).items() if not name.endswith(".png")}
+        found = snapshot(self.path(study))
+        return {name: data for name, data in found.items() if f"{os.path.splitext(name)[0]}.svg" not in found
+                or not name.endswith(".png")}
 
     def test_reports_figures_and_charts_are_what_the_raw_files_give(self):
         version = run([drawing.PYTHON, "-c", "import matplotlib; print(matplotlib.__version__)"]).stdout
@@ -55,7 +57,7 @@ class Recorded(FolderTest):
                 self.assertEqual(set(found) | RAW_FILES[study], set(kept))
                 self.assertGreater(len(kept), 2)
                 for name, data in found.items():
-                    if version.startswith(f"{DRAWN_BY}.") or not name.endswith(".svg"):
+                    if version.startswith(f"{DRAWN_BY}.") or not name.endswith((".svg", ".png")):
                         self.assertTrue(data == kept[name], f"{study}/{name}: render it again")
 
     def test_a_changed_raw_file_gives_another_report_and_figures(self):  # so the comparison can fail

@@ -657,12 +657,7 @@ class Problems(unittest.TestCase):
                 self.assertLess(abs(scene.energy(W) / scene.energy(scene.initial) - 1), 1e-11)
                 self.assertGreater(isosyrk.relative_error(W, scene.initial), 0.1)
 
-    def test_packing_loses_nothing_and_energies_belong_to_their_degrees(self):
+    def test_packing_loses_nothing(self):
         for modes in ([(2, 1, 0.5, -0.3)], [(1, 0, 1.0, 0.0), (8, 8, 0.2, 0.1)]):
-            scene = isosyrk.scene(n=9, modes=modes)
-            W = scene.initial
+            W = isosyrk.scene(n=9, modes=modes).initial
             self.assertTrue((problems.unpacked(problems.packed(W)) == W).all())
-            energies = problems.energies_by_degree(W)
-            self.assertAlmostEqual(sum(energies), scene.energy(W), delta=1e-14)
-            self.assertEqual({degree for degree, energy in enumerate(energies, 1) if energy > 1e-20},
-                             {degree for degree, *_ in modes})

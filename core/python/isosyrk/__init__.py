@@ -10,10 +10,10 @@ A vorticity matrix W is an array of shape (n, n), skew-Hermitian to 1e-10 relati
 may be real or complex of any precision that complex128 holds; it is converted once a run, read in any memory layout and
 never modified. Only `out` is written, and must be complex128, writable and in C order. W may be of any norm: the
 tolerance of an iteration is relative to it. Steps release the GIL. Ctrl-C ends a run after the sweep at hand (an
-explicit method: after the step at hand) or within a tenth of a second, whichever is later; making a scene and spectra
-cannot be interrupted. The KeyboardInterrupt, as any exception that ends a run, has the attributes W, the state after
-the last step done, and report, the work so far. Bad values raise ValueError with one line that names the value and what
-is allowed, other types TypeError.
+explicit method: after the step at hand) or within a tenth of a second, whichever is later; making a scene, spectra and
+fields cannot be interrupted. The KeyboardInterrupt, as any exception that ends a run, has the attributes W, the state
+after the last step done, and report, the work so far. Bad values raise ValueError with one line that names the value
+and what is allowed, other types TypeError.
 """
 
 import atexit
@@ -38,8 +38,9 @@ if not _waits_as_asked:
     del os.environ["GOMP_SPINCOUNT"]
 
 __all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error",
-           "casimir_errors", "conditions", "integrator", "integrators", "measured_limit", "product_rate", "quflow",
-           "relative_error", "scene", "scenes", "skew_defect", "spectrum", "spectrum_error"]
+           "casimir_errors", "conditions", "energy_spectrum", "integrator", "integrators", "laplace", "measured_limit",
+           "modes", "plot", "product_rate", "quflow", "relative_error", "scene", "scenes", "skew_defect",
+           "solve_poisson", "spectrum", "spectrum_error", "vorticity"]
 
 __version__ = _core.version
 
@@ -483,14 +484,9 @@ def product_rate(n: int, solver: str = "fast") -> float:
 
 
 def spectrum(W: ArrayLike) -> NDArray[np.float64]:
-    """Returns the eigenvalues of -iW, ascending, shape (n,), for a W of shape (n, n) that is skew-Hermitian to 1e-10
-    relative. Raises ValueError for another W."""
-    W = _square(W)
-    defect, largest = _core.skew_defect(W), np.abs(W).max()
-    if defect > SKEW * largest:
-        raise ValueError(f"W: the largest entry of |W + W†| is {defect / largest:.3g} of the largest of |W|; must be at"
-                         f" most {SKEW:.0e} (skew-Hermitian)")
-    return _core.spectrum(W)
+    """Returns the eigenvalues of -iW, ascending, shape (n,), for a finite W of shape (n, n) that is skew-Hermitian to
+    1e-10 relative. Raises ValueError for another W."""
+    return _core.spectrum(_skew_hermitian(W))
 
 
 def spectrum_error(W: ArrayLike, W0: ArrayLike) -> float:
@@ -599,17 +595,30 @@ def _report(outcome):
     return Report(*(getattr(outcome, field) for field in Report._fields))
 
 
-def _square(W, n=None):
+def _square(W, n=None, what="W"):
     """Returns a matrix of numbers as a complex128 array in C order, of shape (n, n) if n is given."""
     if isinstance(W, np.ma.MaskedArray):
-        raise TypeError("W: is a masked array, must have all its entries")
+        raise TypeError(f"{what}: is a masked array, must have all its entries")
     array = np.asarray(W)
     if array.dtype.kind not in "iufc" or not np.can_cast(array.dtype, np.complex128):
-        raise ValueError(f"W: its dtype is {array.dtype}, must be real or complex, complex128 at most")
+        raise ValueError(f"{what}: its dtype is {array.dtype}, must be real or complex, complex128 at most")
     size = n or (array.shape[0] if array.ndim == 2 else 0)
     if array.shape != (size, size) or not size:
-        raise ValueError(f"W: its shape is {array.shape}, must be ({n or 'n'}, {n or 'n'})")
+        raise ValueError(f"{what}: its shape is {array.shape}, must be ({n or 'n'}, {n or 'n'})")
     return np.require(array, np.complex128, ("C", "A"))
+
+
+def _skew_hermitian(W, what="W"):
+    """Returns a square matrix, finite and skew-Hermitian to SKEW, as _square() does."""
+    W = _square(W, what=what)
+    if not np.isfinite(W).all():
+        i, k = np.argwhere(~np.isfinite(W))[0]
+        raise ValueError(f"{what}: entry ({i}, {k}) is {W[i, k]}, must be finite")
+    defect, largest = _core.skew_defect(W), np.abs(W).max()
+    if defect > SKEW * largest:
+        raise ValueError(f"{what}: the largest entry of |{what} + {what}†| is {defect / largest:.3g} of the largest of"
+                         f" |{what}|; must be at most {SKEW:.0e} (skew-Hermitian)")
+    return W
 
 
 def _state(W, scene):
@@ -690,4 +699,6 @@ def _real(value, what, finite=True):
     return number
 
 
-from . import quflow  # noqa: E402  it uses what stands above
+# They use what stands above.
+from . import quflow  # noqa: E402
+from .fluid import energy_spectrum, laplace, modes, plot, solve_poisson, vorticity  # noqa: E402

@@ -61,6 +61,7 @@ class Rendering(NamedTuple):
     figures: Optional[dict] = None  # by key; None for a study that no page quotes
     charts: Dict[str, Any] = {}  # figures of matplotlib by name; None where there is nothing to draw
     files: Dict[str, bytes] = {}  # further ones
+    pictures: Dict[str, Any] = {}  # figures of matplotlib by name that are PNG everywhere: maps, too large as SVG
 
 
 def beside(raw, name):
@@ -95,7 +96,8 @@ def render_study(program, rendered, modules, arguments):
         if not options.out:
             return write_standard_output(next(iter((reports or found.files).values())))
         is_recorded = os.path.realpath(options.out).startswith(os.path.realpath(RECORDED) + os.sep)
-        files = {**found.files, **reports, **drawn(charts, ("svg",) if is_recorded else ("svg", "png"))}
+        files = {**found.files, **reports, **drawn(charts, ("svg",) if is_recorded else ("svg", "png")),
+                 **drawn(found.pictures, ("png",))}
     if found.figures is not None:
         files[FILE] = as_json(found.figures)
     write_folder(options.out, files)

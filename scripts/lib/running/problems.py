@@ -8,7 +8,6 @@ definition the matrices in its subfolder; their energies by degree l are listed 
 """
 
 import base64
-import functools
 import os
 
 import isosyrk
@@ -66,7 +65,7 @@ def scene_of(problem, folder):
     initial = record_of(problem, folder)["initial"]
     path = os.path.join(folder_of(problem, folder), initial["file"])
     W = read_matrix(path, problem.n)
-    found, listed = energies_by_degree(W), numpy.array(initial["energy_by_degree"])
+    found, listed = isosyrk.energy_spectrum(W)[1:], numpy.array(initial["energy_by_degree"])
     if found.shape != listed.shape or not numpy.allclose([*found, found.sum()], [*listed, initial["energy"]],
                                                          rtol=DIGITS, atol=0):
         raise UnusableFile(f"{one_line(path)}: has not the energies that references.json lists")
@@ -145,33 +144,3 @@ def encoded(W):
 def decoded(text, n):
     """Returns the matrix of shape (n, n) in a text."""
     return unpacked(numpy.frombuffer(base64.b64decode(text)).reshape(n, n))
-
-
-def energies_by_degree(W):
-    """Returns the energies E(l), l = 1 … n − 1, which add up to that of W."""
-    n = len(W)
-    energies = numpy.zeros(n)
-    for m, vectors in enumerate(degree_vectors(n)):
-        degrees = numpy.arange(max(m, 1), n)
-        parts = (vectors.T @ numpy.diagonal(W, m))[degrees - m]
-        energies[degrees] += (1 if m == 0 else 2) * abs(parts) ** 2 / (2 * degrees * (degrees + 1))
-    return energies[1:]
-
-
-@functools.lru_cache(maxsize=2)
-def degree_vectors(n):
-    """Returns, for each diagonal m = 0 … n − 1, the eigenvectors of −Δ on it, as columns, degree rising from m.
-
-    −Δ maps each diagonal to itself, as a symmetric tridiagonal matrix with the eigenvalues l(l + 1), l from the
-    diagonal's number on: MATHEMATICS, Euler–Zeitlin on su(n).
-    """
-    total = (n * n - 1) / 4  # j(j + 1)
-    magnetic = (n - 1) / 2 - numpy.arange(n)
-    lower = numpy.sqrt(numpy.maximum(total - magnetic * (magnetic - 1), 0))
-    found = []
-    for m in range(n):
-        kept = n - m
-        coupling = -lower[:kept - 1] * lower[m:n - 1]
-        laplacian = numpy.diag(2 * (total - magnetic[:kept] * magnetic[m:])) + numpy.diag(coupling, 1)
-        found.append(numpy.linalg.eigh(laplacian + numpy.diag(coupling, -1))[1])
-    return found

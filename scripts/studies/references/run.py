@@ -86,7 +86,7 @@ def solve(job):
               "uncertainty": isosyrk.relative_error(solutions[1][0], W), "first": first, "second": second}
     matrices = {record["file"]: W.view(float).tolist()}
     if developed:
-        energies = problems.energies_by_degree(scene.initial)
+        energies = isosyrk.energy_spectrum(scene.initial)[1:]
         record["initial"] = {"file": f"initial_n{problem.n}.npy", "energy": digits(sum(energies)),
                              "energy_by_degree": list(map(digits, energies))}
         matrices[record["initial"]["file"]] = scene.initial.view(float).tolist()

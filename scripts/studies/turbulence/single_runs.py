@@ -12,7 +12,7 @@ import numpy
 from lib.records.formats import CONVERGED, UNSTABLE, to_digits
 from lib.running import built, trials
 from lib.running.initial_states import modes_of_sizes
-from lib.running.problems import degree_vectors, encoded, energies_by_degree
+from lib.running.problems import encoded
 from studies.turbulence.schema import FAR, QUARTERS, REFERENCE, bands_of
 
 DEGREES = range(6, 11)  # of the modes that are drawn
@@ -112,9 +112,9 @@ class Averages:
         self.energy_error = trials.larger(self.energy_error, abs(found[0] - 1))
         self.lost = not abs(found[0] - 1) <= ENERGY_LOSS  # so that NaN is a loss
         if step > self.half and not self.lost:
-            energies = energies_by_degree(W)
+            energies = isosyrk.energy_spectrum(W)
             self.invariant_samples.append(found)
-            self.bands.append([energies[low - 1:high].sum() for low, high in bands_of(len(W))])
+            self.bands.append([energies[low:high + 1].sum() for low, high in bands_of(len(W))])
             self.coefficients.append(coefficients(W, CORRELATED_DEGREE))
         return self.lost
 
@@ -130,7 +130,7 @@ class Averages:
 
 def coefficients(W, degree):
     """Returns the coefficients of a degree l, an array over m = 0 … l, such that ‖·‖² is the sum over m = −l … l."""
-    found = numpy.array([degree_vectors(len(W))[m][:, degree - m] @ numpy.diagonal(W, m) for m in range(degree + 1)])
+    found = numpy.array([complex(re, im) for l, m, re, im in isosyrk.modes(W) if l == degree])
     found[1:] *= math.sqrt(2)
     return found
 
