@@ -69,6 +69,7 @@ class Planner:
         self.reference_step = FIRST_REFERENCE / norm_B  # of the next part
         self.unsettled = None  # the last two references over a part that do not agree, as one Outcome
         self.spent = False  # whether the budget ended before all pilots were made
+        self.untried = ()  # the candidates that it had no room for from the first
         self.good = {}  # by integrator: the best pilot over the longest part that it did
         self.end = 0.0, None  # the longest time of a pilot that came to a usable end, and its last state
         self.paces = {}  # by integrator and steps of an offer: CPU seconds a step, as timed
@@ -287,6 +288,9 @@ class Planner:
         if untimed:
             said.append(f"the budget was spent before steps of {', '.join(untimed)} were timed: these seconds are"
                         " scaled from pilots with another step")
+        if self.untried:
+            said.append(f"the budget had no room for {len(self.untried)} of {len(self.candidates)} methods, which may"
+                        " be cheaper; --budget gives more")
         if self.spent:
             said.append("the budget was spent before all pilots were made")
         return said

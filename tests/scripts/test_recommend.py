@@ -450,6 +450,32 @@ class Pilots(FolderTest):
         numpy.save(initial, numpy.triu(W))
         self.assert_refused(self.pilots("--state", initial), "--state", "skew")
 
+    def test_a_named_scene_at_an_n_that_is_not_recorded_is_run_here(self):
+        for scene in ("smooth", "rough"):
+            found = self.answer("--n", "9", "--scene", scene, error=1e-5)
+            self.assertIn(f"n = 9 is outside what is recorded of the scene {scene} (n = 17, 33, ",
+                          found["statements"][0])
+            self.assertIn(": the evidence is runs of the scene, made here", found["statements"][0])
+            self.assertIn(f" --n 9 --scene {scene} ", found["command"])
+            self.assertEqual({each["n"] for each in found["evidence"]}, {9})
+            self.assertIn("pilots", found["source"]["measured"])
+            self.check(found, 1e-5, "--n", "9", "--scene", scene)
+        # The controls: a recorded n is answered from the record, other scenes cannot be made.
+        self.assert_refused(self.pilots("--n", "17"), "--budget: goes with --modes or --state, or an n outside")
+        result = self.pilots("--n", "513", "--scene", "developed")
+        self.assertEqual((result.returncode, result.stdout), (UNANSWERABLE, ""))
+        self.assert_one_line(result.stderr, "n = 513 is outside what is recorded of the scene developed")
+        self.assert_refused(self.pilots("--n", "3"), "--scene smooth", "need n >= 5")
+
+    def test_methods_that_the_budget_has_no_room_for_are_counted(self):
+        _, search, rkmk4, pilot = self.search()
+        search.good, search.trajectory = {rkmk4: replace(pilot, time=8.0, status=CONVERGED)}, False
+        self.assertNotIn("had no room for", " ".join(search.statements))
+        with mock.patch.object(search, "search", return_value=None):
+            search.try_all(search.candidates, 1.0)  # no clock is running: nothing is left
+        count = len(search.candidates)
+        self.assertIn(f"the budget had no room for {count} of {count} methods", " ".join(search.statements))
+
     def test_a_scene_that_takes_too_long_is_answered_within_the_budget(self):
         # Of CPU time it cannot take more, however busy the machine: the answer's run takes longer.
         def used():

@@ -73,6 +73,8 @@ def vorticity(W: ArrayLike, latitudes: ArrayLike, longitudes: ArrayLike, berezin
     """
     W = _vorticity_matrix(W)
     latitudes, longitudes = _angles(latitudes, "latitudes"), _angles(longitudes, "longitudes")
+    if not isinstance(berezin, (bool, np.bool_)):
+        raise TypeError(f"berezin: is a {type(berezin).__name__}, must be True or False")
     outside = latitudes[np.abs(latitudes) > np.pi / 2]
     if outside.size:
         raise ValueError(f"latitudes: {outside[0]:g} is among them, must be -pi/2 to pi/2 (radians)")
@@ -93,6 +95,8 @@ def vorticity(W: ArrayLike, latitudes: ArrayLike, longitudes: ArrayLike, berezin
 def plot(W: ArrayLike, projection: str = "mollweide", center: Tuple[float, float] = (0.0, 0.0), *,
          title: Optional[str] = None, vmax: Optional[float] = None, berezin: bool = False, axes=None):
     """Returns a matplotlib figure of the vorticity of W, as vorticity() has it; north is up, and east is right.
+
+    It is one of matplotlib.pyplot, which keeps it until pyplot.close(figure).
 
     projection  "mollweide" (of equal areas, the whole sphere) or "orthographic" (the half seen from above center).
     center      latitude and longitude in the middle, in radians; with mollweide the latitude is 0.
