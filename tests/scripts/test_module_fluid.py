@@ -415,7 +415,8 @@ class Pictures(unittest.TestCase):
                 (ValueError, r"^center 1.0: must be \(latitude, longitude\)$", dict(center=1.0)),
                 (ValueError, "^center: its longitude = nan: must be finite$", dict(center=(0, np.nan))),
                 (ValueError, "^vmax = 0: must be above 0$", dict(vmax=0)),
-                (TypeError, "^vmax: is a str", dict(vmax="1")), (TypeError, "^title: is a int", dict(title=3))):
+                (TypeError, "^vmax: is a str", dict(vmax="1")), (TypeError, "^title: is a int", dict(title=3)),
+                (TypeError, "^axes: is a Figure, must be axes of matplotlib$", dict(axes=self.pyplot.Figure()))):
             with self.subTest(message):
                 with self.assertRaisesRegex(error, message):
                     isosyrk.plot(self.W, **arguments)
