@@ -211,8 +211,8 @@ class Fields(unittest.TestCase):
         done = run([sys.executable, "-c", code], env=environment(PYTHONPATH=os.path.join(BUILD, "python")))
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         seconds, memory = map(float, done.stdout.split())
-        self.assertLess(seconds, 20)  # CPU time, some 2 s without sanitizers
-        # What the page says, and the result; an array of n x n x 512 would take 2 GB.
+        self.assertLess(seconds, 20)  # CPU time, some 2 s
+        # What its docstring says, and the result; an array of n x n x 512 would take 2 GB.
         self.assertLess(memory, 1.2 * (16 * 513 * (2 * 513 + 2 * (512 + 1024)) + 8 * 512 * 1024))
 
     def test_arguments(self):
