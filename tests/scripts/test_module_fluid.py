@@ -328,6 +328,9 @@ class Refusals(unittest.TestCase):
                         call(W)
                     self.assertNotIn("\n", str(raised.exception))
 
+        with self.assertRaisesRegex(ValueError, r"^W: entry \(1, 2\) is .*nan.*, must be finite$"):
+            isosyrk.spectrum(nan)
+
     def test_a_matrix_is_not_changed(self):
         W = state(5)
         before = W.copy()
@@ -386,9 +389,9 @@ class Pictures(unittest.TestCase):
             np.testing.assert_allclose(corners[row, column], wanted, atol=0.03)
 
     def test_title_limits_and_given_axes(self):
-        figure = isosyrk.plot(self.W, title="t = 0", vmax=0.5)
+        figure = isosyrk.plot(self.W, title="smooth\nt = 0", vmax=0.5)
         self.assertEqual(self.mesh(figure).get_clim(), (-0.5, 0.5))
-        self.assertEqual((figure.axes[0].get_title(), len(figure.axes)), ("t = 0", 2))
+        self.assertEqual((figure.axes[0].get_title(), len(figure.axes)), ("smooth\nt = 0", 2))
         figure = self.pyplot.figure()
         for place, projection in ((121, "mollweide"), (122, None)):
             axes = figure.add_subplot(place, projection=projection)

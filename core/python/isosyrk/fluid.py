@@ -114,7 +114,8 @@ def plot(W: ArrayLike, projection: str = "mollweide", center: Tuple[float, float
         raise ValueError(f"center: its latitude is {latitude:g}, must be 0 with mollweide")
     if abs(latitude) > np.pi / 2:
         raise ValueError(f"center: its latitude is {latitude:g}, must be -pi/2 to pi/2 (radians)")
-    title = None if title is None else _text(title, "title")
+    if title is not None and not isinstance(title, str):
+        raise TypeError(f"title: is a {type(title).__name__}, must be a text")
     vmax = None if vmax is None else _real(vmax, "vmax")
     if vmax is not None and vmax <= 0:
         raise ValueError(f"vmax = {vmax:g}: must be above 0")
