@@ -69,7 +69,7 @@ class Planner:
         self.reference_step = FIRST_REFERENCE / norm_B  # of the next part
         self.unsettled = None  # the last two references over a part that do not agree, as one Outcome
         self.spent = False  # whether the budget ended before all pilots were made
-        self.untried = ()  # the candidates that it had no room for from the first
+        self.untried = ()  # the candidates that it had no room for
         self.good = {}  # by integrator: the best pilot over the longest part that it did
         self.end = 0.0, None  # the longest time of a pilot that came to a usable end, and its last state
         self.paces = {}  # by integrator and steps of an offer: CPU seconds a step, as timed
@@ -228,6 +228,11 @@ class Planner:
             offer.time > FARTHEST * pilot.time or (pilot.growth or 0.0) > MOST_GROWTH
             or (tried is not None and tried.time > pilot.time and tried.step <= offer.step
                 and tried.error > self.question.error))
+
+    def without_a_pilot(self):
+        """Returns the candidates that could be judged, and of which no pilot was made."""
+        tried = {each.integrator for each in self.pilots}
+        return [each for each in self.candidates if each not in tried and self.error_over_part(each)]
 
     def most_promising(self):
         """Returns the integrators that go on to a longer part: those that seem cheapest over the whole time."""

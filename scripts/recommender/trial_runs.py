@@ -237,9 +237,8 @@ class Search(Planner):
         if self.trajectory:
             self.refer(self.proportional_error())
         cheapest = min((each.seconds for each in self.good.values() if each.time == self.time), default=math.inf)
-        for place, each in enumerate(integrators):
+        for each in integrators:
             if self.good and seconds_left() < spared:
-                self.untried = integrators[place:]
                 break
             error = self.error_over_part(each)
             if not error:
@@ -279,6 +278,7 @@ def answer(options):
     search = Search(scene, Question(one_line(value), scene.n, options.time, options.error, options.keep))
     reserve = RESERVE * seconds_left()
     search.spent = not within(seconds_left() - reserve, search.go_on)
+    search.untried = search.without_a_pilot()
     search.settle()
     within(reserve, search.time_offers)
     arguments = ["--initial" if option == "--state" else option, value]

@@ -469,12 +469,17 @@ class Pilots(FolderTest):
 
     def test_methods_that_the_budget_has_no_room_for_are_counted(self):
         _, search, rkmk4, pilot = self.search()
-        search.good, search.trajectory = {rkmk4: replace(pilot, time=8.0, status=CONVERGED)}, False
+        search.good = {rkmk4: replace(pilot, time=8.0, status=CONVERGED)}
+        search.pilots = [replace(pilot, integrator=each) for each in search.candidates]
+        self.assertEqual(search.without_a_pilot(), [])
         self.assertNotIn("had no room for", " ".join(search.statements))
-        with mock.patch.object(search, "search", return_value=None):
-            search.try_all(search.candidates, 1.0)  # no clock is running: nothing is left
-        count = len(search.candidates)
-        self.assertIn(f"the budget had no room for {count} of {count} methods", " ".join(search.statements))
+        *search.pilots, _, _ = search.pilots
+        search.untried = search.without_a_pilot()
+        self.assertEqual(search.untried, search.candidates[-2:])
+        self.assertIn(f"the budget had no room for 2 of {len(search.candidates)} methods", " ".join(search.statements))
+        # Where energies are judged, those of methods without the spectrum are not.
+        search.trajectory, search.pilots = False, []
+        self.assertTrue(all(each.isospectral for each in search.without_a_pilot()))
 
     def test_a_scene_that_takes_too_long_is_answered_within_the_budget(self):
         # Of CPU time it cannot take more, however busy the machine: the answer's run takes longer.
