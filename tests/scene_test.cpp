@@ -5,6 +5,7 @@
 #include "isosyrk/flows/harmonic.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/flows/laplacian.h"
+#include "isosyrk/flows/spherical_harmonics.h"
 #include "isosyrk/simulation/conservation.h"
 #include "tests/support.h"
 
@@ -60,6 +61,41 @@ TEST(Harmonic, IsAUnitEigenvectorToRoundingAtAllSizes) {
     // A few roundings of the matrix, whose norm is n² at most.
     EXPECT_LE(residual.norm(), 1e-15 * n * n) << n << " " << l << " " << m;
     EXPECT_NEAR(T.norm(), 1.0, 1e-15);
+  }
+}
+
+TEST(HarmonicCoefficients, AreThoseOfTheModesAndTheTrace) {
+  const Index n = 7;
+  const std::vector<Mode> modes = {{1, 0, 0.5}, {3, 2, {-0.2, 0.7}}, {6, 6, {1.0, -0.1}}};
+  Matrix W = vorticity_from_modes(modes, n);
+  W += Complex(0.0, 0.3) * Matrix::Identity(n, n);
+  const Matrix found = harmonic_coefficients(W);
+  Matrix expected = Matrix::Zero(n, n);
+  const double factor = found(1, 0).real() / 0.5;
+  for (const Mode& mode : modes) expected(mode.l, mode.m) = factor * mode.value;
+  expected(0, 0) = 0.3 * std::sqrt(static_cast<double>(n));
+  EXPECT_LE((found - expected).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_GT(factor, 0.1);
+}
+
+// Σ_m |Y_lm|² = 2l + 1 over m = -l..l at every point: the addition theorem.
+TEST(SphericalHarmonics, HaveTheSquaresOfTheAdditionTheorem) {
+  RealVector latitudes(5);
+  latitudes << -1.5, -0.2, 0.0, 1e-8, std::acos(0.0);
+  for (const Index n : {2, 65, 514}) {
+    for (const Index l : {Index{1}, n / 2, n - 1}) {
+      Matrix coefficients = Matrix::Zero(n, n);
+      coefficients.row(l).head(l + 1).setOnes();
+      const Matrix values = along_latitudes(coefficients, latitudes);
+      for (Index row = 0; row < latitudes.size(); ++row) {
+        const double sum = 2.0 * values.row(row).squaredNorm() - std::norm(values(row, 0));
+        EXPECT_NEAR(sum / (2.0 * static_cast<double>(l) + 1.0), 1.0, 1e-13) << n << " " << l;
+        if (l == 1) {
+          EXPECT_NEAR(values(row, 0).real(), std::sqrt(3.0) * std::sin(latitudes(row)), 1e-15);
+          EXPECT_NEAR(values(row, 1).real(), std::sqrt(1.5) * std::cos(latitudes(row)), 1e-15);
+        }
+      }
+    }
   }
 }
 

@@ -6,8 +6,8 @@
 
 namespace isosyrk {
 
-// P_lm grows from P_mm ~ cos^m θ, so a start that underflows loses it.  P_lm matters where
-// m <= l cos θ, and there cos^m θ >= (m/n)^m >= exp(-n/e): 1e-82 at n = 513, 1e-655 at n = 4096,
+// P_lm grows from P_mm ~ cos^m β, so a start that underflows loses it.  P_lm matters where
+// m <= l cos β, and there cos^m β >= (m/n)^m >= exp(-n/e): 1e-82 at n = 513, 1e-655 at n = 4096,
 // which is no double.  In extended precision, down to 1e-4932, a start that underflows belongs to a
 // P_lm that stays far below rounding for all l < n.
 using Extended = long double;

@@ -69,6 +69,7 @@ class Planner:
         self.reference_step = FIRST_REFERENCE / norm_B  # of the next part
         self.unsettled = None  # the last two references over a part that do not agree, as one Outcome
         self.spent = False  # whether the budget ended before all trials were made
+        self.untried = ()  # the candidates that it had no room for
         self.good = {}  # by integrator: the best trial over the longest part that it did
         self.end = 0.0, None  # the longest time of a trial that came to a usable end, and its last state
         self.paces = {}  # by integrator and steps of an offer: CPU seconds a step, as timed
@@ -228,6 +229,11 @@ class Planner:
             or (tried is not None and tried.time > trial.time and tried.step <= offer.step
                 and tried.error > self.question.error))
 
+    def without_a_trial(self):
+        """Returns the candidates that could be judged, and of which no trial was made."""
+        tried = {each.integrator for each in self.trials}
+        return [each for each in self.candidates if each not in tried and self.error_over_part(each)]
+
     def most_promising(self):
         """Returns the integrators that go on to a longer part: those that seem cheapest over the whole time."""
         found = [self.expected(each, self.question.time, self.question.error, cautious=False)
@@ -287,6 +293,9 @@ class Planner:
         if untimed:
             said.append(f"the budget was spent before steps of {', '.join(untimed)} were timed: these seconds are"
                         " scaled from trials with another step")
+        if self.untried:
+            said.append(f"the budget had no room for {len(self.untried)} of {len(self.candidates)} methods, which may"
+                        " be cheaper; --budget gives more")
         if self.spent:
             said.append("the budget was spent before all trials were made")
         return said

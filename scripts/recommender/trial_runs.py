@@ -1,4 +1,5 @@
-"""Finds the cheapest method and step for a user's own scene by runs of that scene, called trials, within a budget.
+"""Finds the cheapest method and step for a scene by runs of it, called trials, within a budget: for a user's own scene,
+and for a named one at an n that is not recorded.
 
 Trials go over a part T/2^k of the time first, where the expensive methods drop out; then over the longest part that the
 budget allows, at best all of it. The reference solution of each part is the first of two integrators that are refined
@@ -27,7 +28,7 @@ REFERENCES = ("group6_frame", "group5_frame")
 MIDDLE_ORDER = 6  # methods of about this order win at the errors that are asked for most
 
 LOOKS = 100  # at the energy and the cost of a trial of many steps
-FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
+FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part, if that is not the whole
 # Of the budget, kept for timing steps of the offers; the steps and the CPU seconds that are timed of one at least. As
 # many steps before them are not timed, for a predictor has no past steps yet. Costs change while a scene develops, so
 # more are timed where there is room: SHARE_TIMED of what is left, as the clock of the budget goes on while others run.
@@ -72,18 +73,25 @@ def read_state(path):
 
 
 def scene_of(options):
-    """Returns the user's scene. Throws UnusableFile."""
+    """Returns the scene to run. Throws UnusableFile."""
+    option, value = given(options)
     try:
-        data = {"initial": read_state(options.own)} if options.modes is None else {"modes": read_modes(options.own)}
+        data = ({"initial": read_state(value)} if option == "--state" else
+                {"modes": read_modes(value)} if option == "--modes" else {"name": value})
         scene = isosyrk.scene(n=options.n, hbar=options.hbar, **data)
         if not scene.generator_norms()[0] > AT_REST * abs(scene.initial).max():
             raise UnusableFile("is at rest, as any method keeps it")
         if not MIN_ENERGY < scene.energy(scene.initial) < 1 / MIN_ENERGY:
             raise UnusableFile("its energy is too small or too large to be compared with; scale it")
     except (UnusableFile, ValueError, TypeError) as problem:
-        name = "--state" if options.modes is None else "--modes"
-        raise UnusableFile(f"{name} {one_line(options.own)}: {problem}") from None
+        raise UnusableFile(f"{option} {one_line(value)}: {problem}") from None
     return scene
+
+
+def given(options):
+    """Returns the option that says which scene to run, and its value."""
+    return next((f"--{name}", value) for name in ("state", "modes", "scene")
+                if (value := getattr(options, name)) is not None)
 
 
 # ---- trials
@@ -212,7 +220,9 @@ class Search(Planner):
 
     def go_on(self):
         """Makes trials over longer and longer parts of the time, until it is whole or the next part takes too long."""
-        integrators, spared = self.candidates, seconds_left() * (1 - FIRST_SHARE)
+        # What is spared is for longer parts, where there are any.
+        longer = 1 - FIRST_SHARE if self.time < self.question.time else 0.0
+        integrators, spared = self.candidates, seconds_left() * longer
         while True:
             before = seconds_left()
             self.try_all(integrators, spared)
@@ -263,14 +273,15 @@ def within(seconds, work):
 
 
 def answer(options):
-    """Returns the answer for the user's scene as answer_data() does; throws UnusableFile too. The clock is running."""
-    scene = scene_of(options)
-    search = Search(scene, Question(one_line(options.own), scene.n, options.time, options.error, options.keep))
+    """Returns the answer for a scene as answer_data() does; throws UnusableFile too. The clock is running."""
+    scene, (option, value) = scene_of(options), given(options)
+    search = Search(scene, Question(one_line(value), scene.n, options.time, options.error, options.keep))
     reserve = RESERVE * seconds_left()
     search.spent = not within(seconds_left() - reserve, search.go_on)
+    search.untried = search.without_a_trial()
     search.settle()
     within(reserve, search.time_offers)
-    arguments = ["--initial" if options.modes is None else "--modes", options.own]
+    arguments = ["--initial" if option == "--state" else option, value]
     if options.hbar == "standard":
         arguments += ["--hbar", options.hbar]
     return answer_data(search, " within the budget" if search.spent else "", arguments,

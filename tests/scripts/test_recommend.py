@@ -363,6 +363,37 @@ class Trials(FolderTest):
         numpy.save(initial, numpy.triu(W))
         self.assert_refused(self.trials("--state", initial), "--state", "skew")
 
+    def test_a_named_scene_at_an_n_that_is_not_recorded_is_run_here(self):
+        for scene in ("smooth", "rough"):
+            found = self.answer("--n", "9", "--scene", scene, error=1e-5)
+            self.assertIn(f"n = 9 is outside what is recorded of the scene {scene} (n = 17, 33, ",
+                          found["statements"][0])
+            self.assertIn(": the evidence is runs of the scene, made here", found["statements"][0])
+            self.assertIn(f" --n 9 --scene {scene} ", found["command"])
+            self.assertEqual({each["n"] for each in found["evidence"]}, {9})
+            self.assertIn("trials", found["source"]["measured"])
+            self.check(found, 1e-5, "--n", "9", "--scene", scene)
+        # The controls: a recorded n is answered from the record, other scenes cannot be made.
+        self.assert_refused(self.trials("--n", "17"), "--budget: goes with --modes or --state, or an n outside")
+        result = self.trials("--n", "513", "--scene", "developed")
+        self.assertEqual((result.returncode, result.stdout), (UNANSWERABLE, ""))
+        self.assert_one_line(result.stderr, "n = 513 is outside what is recorded of the scene developed")
+        self.assert_refused(self.trials("--n", "3"), "--scene smooth", "need n >= 5")
+
+    def test_methods_that_the_budget_has_no_room_for_are_counted(self):
+        _, search, rkmk4, trial = self.search()
+        search.good = {rkmk4: replace(trial, time=8.0, status=CONVERGED)}
+        search.trials = [replace(trial, integrator=each) for each in search.candidates]
+        self.assertEqual(search.without_a_trial(), [])
+        self.assertNotIn("had no room for", " ".join(search.statements))
+        *search.trials, _, _ = search.trials
+        search.untried = search.without_a_trial()
+        self.assertEqual(search.untried, search.candidates[-2:])
+        self.assertIn(f"the budget had no room for 2 of {len(search.candidates)} methods", " ".join(search.statements))
+        # Where energies are judged, those of methods without the spectrum are not.
+        search.trajectory, search.trials = False, []
+        self.assertTrue(all(each.isospectral for each in search.without_a_trial()))
+
     def test_a_scene_that_takes_too_long_is_answered_within_the_budget(self):
         # Of CPU time it cannot take more, however busy the machine: the answer's run takes longer.
         def used():

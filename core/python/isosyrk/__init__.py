@@ -5,6 +5,7 @@
     scene = isosyrk.scene("smooth", n=33)
     method = isosyrk.integrator(scene, "group2", solver="fast")
     W, report = method.run(scene.initial, h=0.1, steps=50)
+    isosyrk.plot(W)
 
 A vorticity matrix W is an array of shape (n, n), skew-Hermitian to 1e-10 relative, and comes back as complex128. Input
 may be real or complex of any precision that complex128 holds; it is converted once a run, read in any memory layout and

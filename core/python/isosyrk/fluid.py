@@ -61,11 +61,11 @@ def vorticity(W: ArrayLike, latitudes: ArrayLike, longitudes: ArrayLike, berezin
                 ω at a point is then the expectation of -iW in the coherent state there, within the spectrum of -iW.
                 Without it, mean squares are kept: that of ω over the sphere is ‖W‖²_F/n.
 
-    At longitude λ and latitude θ, ω = Σ_l (-1)^l [ω_l0 P_l0 + 2 Re Σ_{m>0} ω_lm P_lm exp(-imλ)]/√n with ω_lm as modes()
-    has it and ω_00 = tr W/(i√n). P_lm is the associated Legendre function of sin θ without the phase of Condon and
+    At longitude λ and latitude β, ω = Σ_l (-1)^l [ω_l0 P_l0 + 2 Re Σ_{m>0} ω_lm P_lm exp(-imλ)]/√n with ω_lm as modes()
+    has it and ω_00 = tr W/(i√n). P_lm is the associated Legendre function of sin β without the phase of Condon and
     Shortley, and P_lm exp(imλ) has mean square 1 over the sphere. So iI stands for 1, and iħS_x, -iħS_y and -iħS_z for
     the coordinates x, y and z, with spin matrices S_a and ħ = 2/√(n²-1). Values are those of quflow's
-    shr2fun(mat2shr(W), berezin=…) at colatitude π/2 - θ, and the fluid turns anticlockwise, seen from outside, where
+    shr2fun(mat2shr(W), berezin=…) at colatitude π/2 - β, and the fluid turns anticlockwise, seen from outside, where
     ω > 0.
 
     It takes O(n²) operations for each latitude, and memory for about n (2n + 2k) complex numbers for k latitudes and
@@ -73,6 +73,8 @@ def vorticity(W: ArrayLike, latitudes: ArrayLike, longitudes: ArrayLike, berezin
     """
     W = _vorticity_matrix(W)
     latitudes, longitudes = _angles(latitudes, "latitudes"), _angles(longitudes, "longitudes")
+    if not isinstance(berezin, (bool, np.bool_)):
+        raise TypeError(f"berezin: is a {type(berezin).__name__}, must be True or False")
     outside = latitudes[np.abs(latitudes) > np.pi / 2]
     if outside.size:
         raise ValueError(f"latitudes: {outside[0]:g} is among them, must be -pi/2 to pi/2 (radians)")
@@ -94,6 +96,8 @@ def plot(W: ArrayLike, projection: str = "mollweide", center: Tuple[float, float
          title: Optional[str] = None, vmax: Optional[float] = None, berezin: bool = False, axes=None):
     """Returns a matplotlib figure of the vorticity of W, as vorticity() has it; north is up, and east is right.
 
+    It is one of matplotlib.pyplot, which keeps it until pyplot.close(figure).
+
     projection  "mollweide" (of equal areas, the whole sphere) or "orthographic" (the half seen from above center).
     center      latitude and longitude in the middle, in radians; with mollweide the latitude is 0.
     title       above the picture.
@@ -110,10 +114,13 @@ def plot(W: ArrayLike, projection: str = "mollweide", center: Tuple[float, float
         raise ValueError(f"center: its latitude is {latitude:g}, must be 0 with mollweide")
     if abs(latitude) > np.pi / 2:
         raise ValueError(f"center: its latitude is {latitude:g}, must be -pi/2 to pi/2 (radians)")
-    title = None if title is None else _text(title, "title")
+    if title is not None and not isinstance(title, str):
+        raise TypeError(f"title: is a {type(title).__name__}, must be a text")
     vmax = None if vmax is None else _real(vmax, "vmax")
     if vmax is not None and vmax <= 0:
         raise ValueError(f"vmax = {vmax:g}: must be above 0")
+    if axes is not None and not hasattr(axes, "pcolormesh"):
+        raise TypeError(f"axes: is a {type(axes).__name__}, must be axes of matplotlib")
     try:
         from matplotlib import pyplot
     except ImportError:
@@ -129,23 +136,14 @@ def plot(W: ArrayLike, projection: str = "mollweide", center: Tuple[float, float
     if is_new:
         figure = pyplot.figure(figsize=(8, 4.2) if projection == "mollweide" else (5.4, 4.6), layout="constrained")
         axes = figure.add_subplot(projection="mollweide" if projection == "mollweide" else None)
-    elif (getattr(axes, "name", None) == "mollweide") != (projection == "mollweide"):
+    elif (axes.name == "mollweide") != (projection == "mollweide"):
         raise ValueError("axes: must be of matplotlib's projection mollweide" if projection == "mollweide" else
                          "axes: are of matplotlib's projection mollweide, must be ordinary ones with orthographic")
+    colours = {"cmap": "RdBu_r", "vmin": -vmax, "vmax": vmax, "rasterized": True}
     if projection == "mollweide":
-        x, y = np.meshgrid(edges[1], edges[0])
-        axes.set(xticklabels=[], yticklabels=[])
-        axes.grid(False)
+        mesh = _draw_whole(axes, edges, field, colours)
     else:
-        x, y, is_hidden = _seen_from_above(latitude, *edges)
-        field = np.ma.array(field, mask=is_hidden)
-        axes.set(aspect="equal", xlim=(-1.02, 1.02), ylim=(-1.02, 1.02))
-        axes.axis("off")
-        rim = np.linspace(0, 2 * np.pi, 361)
-        axes.plot(np.cos(rim), np.sin(rim), color="black", linewidth=0.8)
-    mesh = axes.pcolormesh(x, y, field, cmap="RdBu_r", vmin=-vmax, vmax=vmax, rasterized=True)
-    if projection == "mollweide":
-        axes.grid(alpha=0.2, color="black")
+        mesh = _draw_half(axes, latitude, edges, field, colours)
     if title is not None:
         axes.set_title(title)
     if is_new:
@@ -203,11 +201,29 @@ def _berezin_weights(n):
     return np.sqrt(np.concatenate([[1.0], np.cumprod((n - k) / (n + k))]))
 
 
-def _seen_from_above(latitude, latitudes, longitudes):
-    """Returns where the corners of cells are seen in orthographic projection, and which cells are not.
+def _draw_whole(axes, edges, field, colours):
+    """Draws cells with these edges of latitude and longitude in axes of matplotlib's projection mollweide."""
+    axes.grid(False)  # which would lie below
+    mesh = axes.pcolormesh(*np.meshgrid(edges[1], edges[0]), field, **colours)
+    axes.grid(alpha=0.2, color="black")
+    axes.set(xticklabels=[], yticklabels=[])
+    return mesh
 
-    Corners are at `latitudes` and `longitudes`, the latter from that of the viewer. Those behind are drawn to the rim,
-    so that cells across it end there.
+
+def _draw_half(axes, latitude, edges, field, colours):
+    """Draws the cells that are seen from above a latitude, on the meridian 0, in orthographic projection."""
+    x, y, is_hidden = _seen_from_above(latitude, *edges)
+    mesh = axes.pcolormesh(x, y, np.ma.array(field, mask=is_hidden), **colours)
+    rim = np.linspace(0, 2 * np.pi, 361)
+    axes.plot(np.cos(rim), np.sin(rim), color="black", linewidth=0.8)
+    axes.set(aspect="equal", xlim=(-1.02, 1.02), ylim=(-1.02, 1.02))
+    axes.axis("off")
+    return mesh
+
+
+def _seen_from_above(latitude, latitudes, longitudes):
+    """Returns where the corners of cells are seen from above a latitude on the meridian 0, x and y, and which cells are
+    not seen. Corners behind are drawn to the rim, so that cells across it end there.
     """
     latitudes = latitudes[:, np.newaxis]
     x = np.cos(latitudes) * np.sin(longitudes)

@@ -188,6 +188,24 @@ def cost_of(runs, error):
     return min(costs, key=lambda cost: cost.seconds, default=None)
 
 
+def recorded_sizes(study, scene):
+    """Returns the recorded n of a scene, by time."""
+    sizes = {}
+    for problem in study.problems():
+        if problem.scene == scene:
+            sizes.setdefault(problem.time, []).append(problem.n)
+    return sizes
+
+
+def outside_the_records(study, scene, n):
+    """Returns a text that says so where an n is below or above all recorded ones of a scene; otherwise None."""
+    sizes = recorded_sizes(study, scene)
+    if any(min(found) <= n <= max(found) for found in sizes.values()):
+        return None
+    recorded = "; ".join(f"n = {', '.join(map(str, found))} to T = {time:g}" for time, found in sizes.items())
+    return f"n = {n} is outside what is recorded of the scene {scene} ({recorded or 'nothing'})"
+
+
 class Recorded:
     """The recorded problems that a question is answered from. Throws Stop if there are none that tell the error."""
 
@@ -195,16 +213,12 @@ class Recorded:
         """`limits` are the Limits that no step exceeds, or None."""
         self.study, self.question, self.limits = study, question, limits
         self.margin, self.said = MARGIN, []
-        sizes = {}
-        for problem in study.problems():
-            if problem.scene == question.scene:
-                sizes.setdefault(problem.time, []).append(problem.n)
+        outside = outside_the_records(study, question.scene, question.n)
+        if outside:
+            raise Stop(f"{outside}, and nothing is extrapolated in n; --modes or --state tries a scene itself",
+                       NO_ANSWER)
+        sizes = recorded_sizes(study, question.scene)
         times = [time for time, found in sizes.items() if min(found) <= question.n <= max(found)]
-        if not times:
-            recorded = "; ".join(f"n = {', '.join(map(str, found))} to T = {time:g}" for time, found in sizes.items())
-            raise Stop(f"n = {question.n} is outside what is recorded of the scene {question.scene}"
-                       f" ({recorded or 'nothing'}), and nothing is extrapolated in n; --modes or --state tries a scene"
-                       " itself", NO_ANSWER)
         self.shortest, self.longest = min(times), max(times)
         around = neighbours(times, question.time)
         self.weights = {Problem(question.scene, time, n): share * part for time, share in around.items()

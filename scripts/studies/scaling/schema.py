@@ -102,7 +102,7 @@ class TwoThreads(NamedTuple):
 
 SCHEMA = Schema("scaling", Settings, {INTEGRATORS: Integrator, "points": Point, "rates": Rate, "memory": Memory,
                                       "threads": TwoThreads}, later=(INTEGRATORS, "threads"),
-                renamed={"rung": "ablation"})
+                renamed={"ablation": "ablation"})
 
 
 # ---- ablations
