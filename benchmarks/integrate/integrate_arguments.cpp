@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <filesystem>
+
 #include "benchmarks/command_line.h"
 #include "isosyrk/catalogue/fast_forms.h"
 
@@ -106,6 +108,16 @@ void require_whole_record(const IntegrateRequest& request) {
   }
   if (request.resume && !request.snapshots_folder) {
     throw BadArgument("--resume: must go with --snapshots, whose folder has the checkpoint");
+  }
+  if (!request.series_file) return;
+  const auto whole = [](const std::string& path) {
+    return std::filesystem::path(path).lexically_normal();
+  };
+  for (const auto& [option, path] : {std::pair("--output", request.output_file),
+                                     std::pair("--snapshots", request.snapshots_folder)}) {
+    if (path && whole(*path) == whole(*request.series_file)) {
+      throw BadArgument(fmt::format("--series {}: must not be that of {}", *path, option));
+    }
   }
 }
 

@@ -14,8 +14,8 @@ import unittest
 
 import numpy
 
-from programs import (BAD_ARGUMENTS, DONE, SOLVER_FAILED, FolderTest, end, open_terminal, program, run, start,
-                      strict_json)
+from programs import (BAD_ARGUMENTS, DONE, SANITIZED, SOLVER_FAILED, FolderTest, end, open_terminal, program, run,
+                      start, strict_json)
 
 COLUMNS = ["t", "energy", "spectrum_error", "enstrophy", "sweeps", "seconds"]
 BASE = {"n": "17", "integrator": "group2", "step": "0.1", "time": "2", "scene": "rough", "every": "6",
@@ -160,6 +160,8 @@ class Refused(LongRunTest):
         self.refuses(parts=("--series", "--every"), every=None, snapshots=None)
         self.refuses("--resume", parts=("--resume", "--snapshots"), snapshots=None)
         self.refuses("--resume", parts=("--resume", "--snapshots"), **none, every=None)
+        self.refuses(parts=("--series " + self.series, "--output"), output=self.series)
+        self.refuses(parts=("--series " + self.series, "--snapshots"), snapshots=self.series)
         for every in ("0", "-1", "1.5", "", "x", "9" * 30):
             self.refuses(parts=("--every", every, "1 to "), every=every)
 
@@ -361,8 +363,9 @@ class Resumed(LongRunTest):
                 _, whole = self.finished(**{**settings, "place": place + ".whole"})
                 self.assertEqual(W.tobytes(), whole.tobytes())
 
+    @unittest.skipIf(SANITIZED, "n > 33 takes too long")
     def test_on_another_number_of_threads_without_json_and_output(self):
-        settings = {**METHODS[0], "n": "65", "time": "0.4", "every": "2"}
+        settings = {**METHODS[0], "n": "97", "time": "0.4", "every": "2"}  # two threads from n = 96 on
         whole, W_whole = self.finished(place=".whole", **settings)
         self.finished(**{**settings, "time": "0.2"})
         done = run(self.command("--resume", threads="2", **settings))
@@ -377,18 +380,23 @@ class Resumed(LongRunTest):
             result, _ = self.finished("--resume", products=None, place="." + products)
             self.assertEqual(result["product_backend"], products)
 
-    def test_on_other_kernels_with_a_note(self):
-        self.finished(time="1")
+    def exchange(self, key):
+        """Exchanges what the checkpoint says of its run, with a checksum that fits."""
         checkpoint = os.path.join(self.snapshots, "checkpoint")
         with open(checkpoint, "rb") as file:
-            head, _, tail = file.read()[:-8].partition(b'"kernels":"')
-        kernels, _, tail = tail.partition(b'"')
-        other = head + b'"kernels":"' + b"x" * len(kernels) + b'"' + tail
+            head, name, tail = file.read()[:-8].partition(f'"{key}":"'.encode())
+        other = head + name + b"other" + tail[tail.index(b'"'):]
         with open(checkpoint, "wb") as file:
             file.write(other + fnv1a(other).to_bytes(8, "little"))
+
+    def test_on_other_kernels_with_a_note_and_by_no_other_version(self):
+        self.finished(time="1")
+        self.exchange("kernels")
         done = run(self.command("--resume"))
         self.assertEqual(done.returncode, DONE)
         self.assert_one_line(done.stderr, "note", "other kernels", "not bit for bit")
+        self.exchange("version")
+        self.assert_refused(run(self.command("--resume")), "--resume", 'of a run with version "other", not')
 
 
 def fnv1a(contents):
