@@ -14,7 +14,7 @@ import unittest
 
 import numpy
 
-from programs import (BAD_ARGUMENTS, DONE, SANITIZED, SOLVER_FAILED, FolderTest, end, open_terminal, program, run,
+from programs import (DONE, SANITIZED, SOLVER_FAILED, FolderTest, end, open_terminal, program, run,
                       start, strict_json)
 
 COLUMNS = ["t", "energy", "spectrum_error", "enstrophy", "sweeps", "seconds"]
@@ -236,25 +236,6 @@ class Refused(LongRunTest):
             done = run(self.command(*flags, time="100000", series=None), timeout=20)
             self.assert_refused(done, "--snapshots " + self.snapshots, "another process")
 
-    def test_a_full_disk_leaves_whole_rows_and_the_run_goes_on_when_there_is_room(self):
-        """A limit on the size of files, for the disk: of 17 x 17 numbers a snapshot has 4752 bytes, a row about 90."""
-        def limit(size):
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-
-        self.finished(every="1", time="9", place=".whole")
-        done = run(self.command(every="1", time="9", snapshots=None), prepare=lambda: limit(4000))
-        self.assert_refused(done, "--series " + self.series, "cannot be written (File too large)")
-        rows = self.lines_but_for_seconds()
-        self.assertTrue(20 < len(rows) < 90)
-        self.assertEqual(rows, self.lines_but_for_seconds(".whole")[:len(rows)])
-        # A run with a folder ends there too, and goes on.
-        folder = {"every": "1", "time": "9", "place": ".2"}
-        checkpoint_fits = 1000 + os.path.getsize(os.path.join(self.snapshots + ".whole", "checkpoint"))
-        done = run(self.command(**folder), prepare=lambda: limit(min(6000, checkpoint_fits)))
-        self.assertEqual(done.returncode, BAD_ARGUMENTS, done.stderr)
-        self.assertFalse([name for name in os.listdir(self.snapshots + ".2") if name.endswith(".partial")])
-
 
 def wait_for(condition, seconds=60):
     deadline = time.monotonic() + seconds
@@ -315,6 +296,33 @@ class Resumed(LongRunTest):
                 answer = self.finished("--resume", place=place, **settings)
                 self.assert_same_answer(*answer, *self.finished(place=place + ".whole", **settings))
                 self.assert_same_files(place, place + ".whole")
+
+    def test_a_full_disk_leaves_whole_files_and_the_run_goes_on_when_there_is_room(self):
+        """A limit on the size of files, for the disk: it is met by the series, in the middle of a row."""
+        def limit(size):
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+        settings = {"n": "9", "every": "1", "time": "9"}
+        whole, W_whole = self.finished(place=".whole", **settings)
+        size = os.path.getsize(os.path.join(self.snapshots + ".whole", "checkpoint")) + 100
+        self.assertLess(size, os.path.getsize(self.series + ".whole"))
+        for place, snapshots in (("", {}), (".alone", {"snapshots": None})):
+            done = run(self.command(place=place, **{**settings, **snapshots}), prepare=lambda: limit(size))
+            self.assert_refused(done, "--series " + self.series, "cannot be written (File too large)")
+            rows = self.lines_but_for_seconds(place)
+            self.assertEqual(rows, self.lines_but_for_seconds(".whole")[:len(rows)])
+            self.assertGreater(len(rows), 20)
+        self.assertFalse([name for name in os.listdir(self.snapshots) if name.endswith(".partial")])
+        result, W = self.finished("--resume", **settings)
+        self.assert_same_answer(result, W, whole, W_whole)
+        self.assert_same_files("", ".whole")
+
+    def test_a_folder_without_room_for_a_snapshot(self):
+        done = run(self.command(), prepare=lambda: (signal.signal(signal.SIGXFSZ, signal.SIG_IGN),
+                                                    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))))
+        self.assert_refused(done, "--snapshots " + self.snapshots, snapshot_name(0), "(File too large)")
+        self.assertEqual(os.listdir(self.snapshots), [])
 
     def test_rows_after_the_checkpoint_are_cut(self):
         self.finished(place=".whole")
