@@ -124,9 +124,9 @@ nlohmann::ordered_json command_of(const IntegrateRequest& request, const Start& 
       {"modes_hash", start.modes_hash},
       {"initial_hash", nullptr},
       {"products", name(backend)},
-      {"kernels", kernel_sets()},
       {"every", *request.every},
       {"series", request.series_file.has_value()},
+      {"kernels", kernel_sets()},  // last: others are only noted
   };
   if (request.signature) {
     command["signature"] =

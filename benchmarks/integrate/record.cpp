@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <limits>
 
 #include "benchmarks/integrate/whole_file.h"
@@ -44,6 +43,9 @@ Record::Record(const IntegrateRequest& request) : request_(request) {
 // A longer --time goes on, too.  Threads, --output and --json change no step.
 void Record::require_same(const nlohmann::ordered_json& command) const {
   const CheckpointHeader& header = checkpoint_->header();
+  if (header.step > request_.steps) {
+    checkpoint_->refuse(fmt::format("is of step {}, beyond --time {}", header.step, request_.time));
+  }
   for (const auto& [key, value] : command.items()) {
     const nlohmann::ordered_json written = header.command.value(key, nlohmann::ordered_json());
     if (written == value) continue;
@@ -55,9 +57,6 @@ void Record::require_same(const nlohmann::ordered_json& command) const {
     }
     checkpoint_->refuse(
         fmt::format("is of a run with {} {}, not {}", key, written.dump(), value.dump()));
-  }
-  if (header.step > request_.steps) {
-    checkpoint_->refuse(fmt::format("is of step {}, beyond --time {}", header.step, request_.time));
   }
 }
 
