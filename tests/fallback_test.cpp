@@ -83,6 +83,7 @@ class Scripted final : public StageSystem, public TwoPartJacobian {
   bool truncates() const override { return false; }
   void truncate(bool) override {}
   Work work() const override { return {}; }
+  void archive_work(StateArchive&) override {}
 
  private:
   const SplitMatrix* W0_ = nullptr;

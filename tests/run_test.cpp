@@ -45,6 +45,31 @@ TEST(Run, AddsUpWhatItsStepsReport) {
   EXPECT_DOUBLE_EQ(report.sweeps_per_step(), static_cast<double>(sweeps) / 7.0);
 }
 
+TEST(Run, InTwoPartsHasTheTotalsOfOne) {
+  const Scene scene = smooth_scene(9);
+  const auto in_parts = [&](std::initializer_list<long> parts) {
+    const auto integrator = gauss(Formulation::group, *scene.flow, 2);
+    Matrix W = scene.initial;
+    RunReport total;
+    for (const long steps : parts) total.append(run(*integrator, W, 0.1, steps));
+    return total;
+  };
+  const RunReport whole = in_parts({7});
+  for (const RunReport& parts : {in_parts({3, 4}), in_parts({7, 0}), in_parts({0, 7})}) {
+    EXPECT_EQ(parts.steps, whole.steps);
+    EXPECT_EQ(parts.sweeps, whole.sweeps);
+    EXPECT_EQ(parts.last_change, whole.last_change);
+    EXPECT_EQ(parts.contraction, whole.contraction);
+    EXPECT_EQ(parts.work.products, whole.work.products);
+    EXPECT_EQ(parts.failed_step, 0);
+  }
+  RunReport failing = whole;
+  failing.append({.status = Status::diverged, .steps = 2, .failed_step = 3});
+  EXPECT_EQ(failing.status, Status::diverged);
+  EXPECT_EQ(failing.steps, 9);
+  EXPECT_EQ(failing.failed_step, 10);
+}
+
 TEST(Run, StopsAtTheFirstStepThatFailsAndKeepsTheLastGoodState) {
   const Scene scene = smooth_scene(5);
   int calls = 0;

@@ -7,9 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "benchmarks/conditions.h"
+#include "benchmarks/integrate/hash.h"
 #include "benchmarks/integrate/integrate_arguments.h"
 #include "benchmarks/integrate/interruption.h"
 #include "benchmarks/integrate/progress_line.h"
+#include "benchmarks/integrate/record.h"
 #include "benchmarks/modes_file.h"
 #include "benchmarks/npy_file.h"
 #include "benchmarks/output_file.h"
@@ -98,47 +101,113 @@ std::optional<Outputs> outputs_of(const IntegrateRequest& request) {
   return Outputs{{"--output", path}, {"--output", interrupted_path(path)}};
 }
 
-// A run that a signal ends keeps its last good state, which is written at once.
-Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBackend backend,
-                  const std::optional<Outputs>& outputs) {
-  IterationOptions iteration = request.iteration;
-  iteration.after_sweep = end_if_interrupted;
-  const auto integrator = request.integrator.make(scene.flow, iteration, backend);
-  Outcome outcome;
-  outcome.W = scene.initial;
-  outcome.h_norm_B = request.step * generator_norm(scene);
-  if (request.is_euler_zeitlin()) warn_beyond_limit(request, outcome.h_norm_B);  // as it was tried
-  ConservationWatch watch(scene);
-  double watching = 0.0;
-  watch_signals();
-  // Not beside a --json that another program reads.
-  ProgressLine progress(request.steps, request.step, !request.json || isatty(STDOUT_FILENO) != 0);
-  const auto look = [&](const RunReport& run) {
-    const double before = cpu_seconds();
-    watch.observe(integrator->energy());
-    progress.show(run.steps);
-    outcome.run = run;  // what is known of a run that ends within the next step
-    watching += cpu_seconds() - before;
-    return caught_signal() == 0;
-  };
-  const double start = cpu_seconds();
-  try {
-    outcome.run = run_while(*integrator, outcome.W, request.step, request.steps, look);
-  } catch (const Interrupted&) {
-    outcome.interrupted = true;
-  }
-  outcome.seconds = cpu_seconds() - start - watching;
-  outcome.interrupted |= outcome.run.converged() && outcome.run.steps < request.steps;
-  progress.clear();
-  if (outcome.interrupted && outputs) outputs->interrupted.write(npy(outcome.W));
-  outcome.kept = watch.report(outcome.W);
-  return outcome;
-}
-
 // What forms the products.
 std::string products_of(Solver solver, const Flow& flow, ProductBackend backend) {
   if (solver == Solver::fast) return fmt::format("split {}", gemm_kernels().front().name);
   return flow.algebra().is_dense() ? std::string(name(backend)) : "blocks";
+}
+
+// What the steps of a run depend on.  A checkpoint goes on with the same.
+nlohmann::ordered_json command_of(const IntegrateRequest& request, const Start& start,
+                                  ProductBackend backend) {
+  nlohmann::ordered_json command = {
+      {"version", ISOSYRK_VERSION},
+      {"scene", request.scene},
+      {"n", request.n},
+      {"integrator", request.name},
+      {"solver", name(request.solver)},
+      {"step", request.step},
+      {"tolerance", request.iteration.tolerance},
+      {"max_sweeps", request.iteration.max_sweeps},
+      {"hbar", name(request.hbar.value_or(HbarConvention::paper))},
+      {"signature", nullptr},
+      {"modes_hash", start.modes_hash},
+      {"initial_hash", nullptr},
+      {"products", name(backend)},
+      {"every", *request.every},
+      {"series", request.series_file.has_value()},
+      {"kernels", kernel_sets()},  // last: others are only noted
+  };
+  if (request.signature) {
+    command["signature"] =
+        fmt::format("{},{}", request.signature->first, request.signature->second);
+  }
+  if (request.initial_file) {
+    const Matrix& W0 = start.scene.initial;
+    const auto* bytes = reinterpret_cast<const char*>(W0.data());
+    const std::size_t count = static_cast<std::size_t>(W0.size()) * sizeof(Complex);
+    command["initial_hash"] = fmt::format("{:016x}", hash_after(hash_of_nothing, bytes, count));
+  }
+  return command;
+}
+
+// A run that goes on takes the products that it had: which are the fastest, two runs may find
+// differently.
+ProductBackend backend_of(const IntegrateRequest& request, const std::optional<Record>& record) {
+  BackendChoice choice = request.products;
+  if (!choice && record && record->checkpoint()) {
+    choice = backend_choice_from_name(
+        record->checkpoint()->header().command.at("products").get<std::string>());
+  }
+  return choose_backend(choice, request.n).chosen;
+}
+
+// A run that a signal ends keeps its last good state, which is written at once.
+Outcome integrate(const IntegrateRequest& request, const Start& start, ProductBackend backend,
+                  const std::optional<Outputs>& outputs, std::optional<Record>& record) {
+  const Scene& scene = start.scene;
+  IterationOptions iteration = request.iteration;
+  // A step that ends within a sweep leaves no past steps, and so nothing for a checkpoint.
+  if (!request.snapshots_folder) iteration.after_sweep = end_if_interrupted;
+  RunSoFar so_far{.report = {},
+                  .watch = ConservationWatch(scene),
+                  .integrator = request.integrator.make(scene.flow, iteration, backend)};
+  Integrator& integrator = *so_far.integrator;
+  Outcome outcome;
+  outcome.h_norm_B = request.step * generator_norm(scene);
+  if (request.is_euler_zeitlin()) warn_beyond_limit(request, outcome.h_norm_B);  // as it was tried
+  integrator.set_state(scene.initial);
+  watch_signals();
+  if (record) record->begin(command_of(request, start, backend), so_far);
+  outcome.W = integrator.state();
+  const RunReport earlier = so_far.report;  // of a run that goes on
+  const double earlier_seconds = so_far.seconds;
+  double watching = 0.0;
+  const auto add = [&](const RunReport& report) {
+    so_far.report = earlier;
+    so_far.report.append(report);
+  };
+  const auto progress_of = [&](const Energy& energy) {
+    return Progress{so_far.report.steps, number_of(energy), so_far.report.sweeps};
+  };
+  // Not beside a --json that another program reads.
+  const bool is_read = request.json && isatty(STDOUT_FILENO) == 0 && !request.every;
+  ProgressLine progress(request.steps, request.step, !is_read, progress_of(integrator.energy()));
+  const double begun = cpu_seconds();
+  const auto look = [&](const RunReport& report) {
+    const double before = cpu_seconds();
+    add(report);
+    so_far.seconds = earlier_seconds + before - begun - watching;
+    const Energy energy = integrator.energy();
+    so_far.watch.observe(energy);
+    progress.show(progress_of(energy));
+    const bool goes_on = caught_signal() == 0;
+    if (record) record->observe(so_far, !goes_on);
+    watching += cpu_seconds() - before;
+    return goes_on;
+  };
+  try {
+    add(run_while(integrator, outcome.W, request.step, request.steps - earlier.steps, look));
+  } catch (const Interrupted&) {
+    outcome.interrupted = true;
+  }
+  outcome.seconds = earlier_seconds + cpu_seconds() - begun - watching;
+  outcome.run = so_far.report;
+  outcome.interrupted |= outcome.run.converged() && outcome.run.steps < request.steps;
+  progress.clear();
+  if (outcome.interrupted && outputs) outputs->interrupted.write(npy(outcome.W));
+  outcome.kept = so_far.watch.report(outcome.W);
+  return outcome;
 }
 
 nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& start,
@@ -204,6 +273,7 @@ std::string interruption(const IntegrateRequest& request, const Outcome& outcome
   const long done = outcome.run.steps;
   const std::string came = fmt::format("interrupted after step {} of {}, t = {:.10g}", done,
                                        request.steps, static_cast<double>(done) * request.step);
+  if (request.snapshots_folder) return came + "; the same command with --resume goes on from there";
   if (!outputs) return came + "; nothing written, for want of --output";
   return fmt::format("{}; W(t) is in {}: --initial takes it, --time {:.10g} is left", came,
                      outputs->interrupted.path(),
@@ -227,9 +297,11 @@ int main_program(int argc, char** argv) {
                  request.integrator, request.n);
   use_one_blas_thread();
   const std::optional<Outputs> outputs = outputs_of(request);
+  std::optional<Record> record;
+  if (request.every) record.emplace(request);
   const Start start = start_of(request);
-  const ProductBackend backend = choose_backend(request.products, request.n).chosen;
-  const Outcome outcome = integrate(request, start.scene, backend, outputs);
+  const ProductBackend backend = backend_of(request, record);
+  const Outcome outcome = integrate(request, start, backend, outputs, record);
 
   const nlohmann::ordered_json result = as_json(request, start, outcome, backend);
   if (outcome.finished() && outputs) outputs->finished.write(npy(outcome.W));

@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <filesystem>
+
 #include "benchmarks/command_line.h"
 #include "isosyrk/catalogue/fast_forms.h"
 
@@ -91,6 +93,34 @@ void choose_scene(const CLI::App& line, IntegrateRequest& request) {
   }
 }
 
+// --every, --snapshots, --series and --resume.
+void require_whole_record(const IntegrateRequest& request) {
+  if (request.every && !request.snapshots_folder && !request.series_file) {
+    throw BadArgument(
+        fmt::format("--every {}: must go with --snapshots, --series or both", *request.every));
+  }
+  if (!request.every && request.snapshots_folder) {
+    throw BadArgument(
+        fmt::format("--snapshots {}: must go with --every", *request.snapshots_folder));
+  }
+  if (!request.every && request.series_file) {
+    throw BadArgument(fmt::format("--series {}: must go with --every", *request.series_file));
+  }
+  if (request.resume && !request.snapshots_folder) {
+    throw BadArgument("--resume: must go with --snapshots, whose folder has the checkpoint");
+  }
+  if (!request.series_file) return;
+  const auto whole = [](const std::string& path) {
+    return std::filesystem::path(path).lexically_normal();
+  };
+  for (const auto& [option, path] : {std::pair("--output", request.output_file),
+                                     std::pair("--snapshots", request.snapshots_folder)}) {
+    if (path && whole(*path) == whole(*request.series_file)) {
+      throw BadArgument(fmt::format("--series {}: must not be that of {}", *path, option));
+    }
+  }
+}
+
 }  // namespace
 
 std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** argv) {
@@ -133,11 +163,23 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
   add_value(line, "--initial", request.initial_file, Text{},
             "W at time 0, NumPy .npy as --output writes it");
   add_value(line, "--output", request.output_file, Text{}, "write W(T) as NumPy .npy, complex128");
+  add_value(line, "--every", request.every, Whole<long>{1, 1000000000000000},
+            "steps K from one row of --series and one file of --snapshots to the next")
+      ->type_name("K");
+  add_value(line, "--snapshots", request.snapshots_folder, Text{},
+            "folder for W as NumPy .npy, every K steps and at the end, and for the checkpoint");
+  add_value(line, "--series", request.series_file, Text{},
+            "CSV file: t, energy, spectrum error, enstrophy, sweeps, seconds, every K steps");
+  line.add_flag("--resume", request.resume,
+                "go on, bit for bit, from the checkpoint in the folder of --snapshots, by the same "
+                "command or one with a longer --time")
+      ->disable_flag_override();
   line.add_flag("--json", request.json, "print one JSON object")->disable_flag_override();
   if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
 
   of_option([&] { choose_integrator(choice, line, request); });
   request.steps = step_count(request.time, request.step);
+  require_whole_record(request);
   choose_scene(line, request);
   return request;
 }

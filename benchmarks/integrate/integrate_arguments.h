@@ -33,6 +33,11 @@ struct IntegrateRequest {
   std::optional<std::string> modes_file = {};    ///< none: those of the named scene
   std::optional<std::string> initial_file = {};  ///< W at time 0, in place of modes
   std::optional<std::string> output_file = {};
+  std::optional<long> every =
+      {};  ///< steps from one row of the series, and one snapshot, to the next
+  std::optional<std::string> snapshots_folder = {};
+  std::optional<std::string> series_file = {};
+  bool resume = false;  ///< from the checkpoint in snapshots_folder
   bool json = false;
 
   bool is_euler_zeitlin() const {

@@ -1,4 +1,4 @@
-// Progress of a long run on a terminal.
+// Progress of a long run, on a terminal or in a log.
 #pragma once
 
 #include <chrono>
@@ -6,27 +6,42 @@
 
 namespace isosyrk {
 
-/// One line on stderr, rewritten at most four times a second, with the steps done and the time
-/// left. It is shown only if stderr is a terminal, and is gone at the end.
+/// How far a run has come.
+struct Progress {
+  long steps = 0;
+  double energy = 0.0;
+  long sweeps = 0;  ///< of all steps; 0 for an explicit method
+};
+
+/// One line on stderr with the steps done, the energy, the sweeps a step, and the time left.  On a
+/// terminal it is rewritten at most four times a second, and gone at the end; elsewhere, as in the
+/// log of a cluster, it is a line a minute.
 class ProgressLine {
  public:
-  /// Shows nothing at all unless `wanted`.
-  ProgressLine(long steps, double step, bool wanted);
+  using Clock = std::chrono::steady_clock;
+
+  /// Shows nothing at all unless `wanted`.  The run has `steps` steps of size `step`, and begins
+  /// with some of them done.
+  ProgressLine(long steps, double step, bool wanted, const Progress& begun = {},
+               Clock::duration of_log = std::chrono::minutes(1));
   ~ProgressLine() { clear(); }
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// To be called after every step with how many are done.
-  void show(long done);
+  /// To be called after every step.
+  void show(const Progress& done);
   /// Removes the line, so that another can be printed in its place.
   void clear();
 
  private:
-  using Clock = std::chrono::steady_clock;
+  std::string text(const Progress& done, Clock::time_point now) const;
 
   long steps_;
   double step_;
   bool shown_;
+  bool is_terminal_;
+  long first_;  // steps done when it began
+  Clock::duration interval_;
   Clock::time_point begun_;
   Clock::time_point next_;
 };

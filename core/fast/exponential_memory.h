@@ -14,6 +14,7 @@ struct ExponentialMemory final : StepMemory {
   explicit ExponentialMemory(Index n) : start_error(n), adjoint(n) {}
 
   void forget() override { start_error.forget(); }
+  void archive(StateArchive& state) override { state.pass(start_error, adjoint); }
 
   StartError start_error;
   SplitMatrix adjoint;  ///< U† of the step, by which start_error is transported

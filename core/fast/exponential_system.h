@@ -50,6 +50,7 @@ class ExponentialSystem final : public StageSystem {
   bool truncates() const override { return operations_.bands.enabled(); }
   void truncate(bool enabled) override { operations_.bands.enable(enabled); }
   Work work() const override { return operations_.work(); }
+  void archive_work(StateArchive& run) override { operations_.archive_work(run); }
 
  private:
   Acceptance acceptance_;

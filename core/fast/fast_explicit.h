@@ -47,6 +47,7 @@ class FastExplicit : public SplitIntegrator {
 
  private:
   Work work() const final { return work_of(products_, single_products_, generator_); }
+  void archive_work(StateArchive& run) final { run.pass(products_, single_products_, generator_); }
 
   BandTruncation bands_;
   double h_ = 0.0;
@@ -91,6 +92,9 @@ class FastMultistep final : public FastRungeKutta {
     void forget() override {
       if (past) past->forget();
     }
+    void archive(StateArchive& state) override {
+      if (past) state.pass(*past);
+    }
 
     std::optional<PastSlopes<SplitMatrix>> past;  // none beside a run, where no step follows
   };
@@ -131,6 +135,7 @@ class FastMuntheKaas4 final : public FastExplicit {
   // What a step leaves to the next one.
   struct Memory final : StepMemory {
     void forget() override { h.reset(); }
+    void archive(StateArchive& state) override { state.pass(h, error); }
 
     std::optional<double> h;  // |h|
     double error = 0.0;       // e

@@ -45,6 +45,10 @@ Work FastIntegrator::work() const {
   return total;
 }
 
+void FastIntegrator::archive_work(StateArchive& run) {
+  for (FastSubstep& substep : substeps_) substep.archive_work(run);
+}
+
 StepReport FastIntegrator::take_step(SplitStages& W1, const SplitStages& W0, double h,
                                      StepMemory& of_steps) {
   auto& memory = static_cast<Memory&>(of_steps);

@@ -26,7 +26,8 @@ class FastIntegrator final : public SplitIntegrator {
 
   /// Returns the change of one more Picard sweep of the last substep, without band truncation, from
   /// the unknowns of the last step of a run, which must have converged.  Checks the tolerance
-  /// independently of the solver, and disturbs no later step.
+  /// independently of the solver, and disturbs no later step.  Not to be called for a run that was
+  /// read from an archive, before its next step.
   double change_of_one_more_sweep();
 
   /// True if products skip entries outside bands.
@@ -36,6 +37,7 @@ class FastIntegrator final : public SplitIntegrator {
   // What a step leaves to the next one.
   struct Memory final : StepMemory {
     void forget() override;
+    void archive(StateArchive& state) override { state.pass(of_substeps); }
 
     std::vector<SubstepMemory> of_substeps;
     SplitStages between;  // the states after each substep but the last
@@ -46,6 +48,7 @@ class FastIntegrator final : public SplitIntegrator {
   StepReport take_step(SplitStages& W1, const SplitStages& W0, double h,
                        StepMemory& memory) override;
   Work work() const override;
+  void archive_work(StateArchive& run) override;
 
   std::vector<double> fractions_;
   std::vector<FastSubstep> substeps_;

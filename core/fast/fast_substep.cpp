@@ -19,6 +19,10 @@ void SubstepMemory::forget() {
   of_system->forget();
 }
 
+void SubstepMemory::archive(StateArchive& state) {
+  state.pass(h, iteration, predictor, choice, *of_system);
+}
+
 FastSubstep::FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options)
     : system_(std::move(system)),
       options_(options.iteration),

@@ -23,6 +23,8 @@ struct SubstepMemory {
 
   /// Forgets all of it but x.
   void forget();
+  /// All that forget() forgets.  The next step sets x.
+  void archive(StateArchive& state);
 
   std::optional<double> h;    ///< of the last step
   Unknowns x;                 ///< its solution, or what the last attempt left
@@ -61,6 +63,7 @@ class FastSubstep {
                                   SubstepMemory& beside);
 
   const StageSystem& system() const { return *system_; }
+  void archive_work(StateArchive& run) { system_->archive_work(run); }
 
  private:
   bool offers(Start how) const;

@@ -42,6 +42,7 @@ class MidpointSystem final : public SplitSystem {
   struct Memory final : StepMemory {
     explicit Memory(Index n) : V(split_stages<float>(1, n)) {}
     void forget() override { knows_V = false; }
+    void archive(StateArchive& state) override { state.pass(knows_V, V); }
 
     SingleStages V;  // V = X⁻¹
     bool knows_V = false;

@@ -56,6 +56,11 @@ void SplitIntegrator::amend(const ConstMatrixView& W) {
   take(W, finder_.find(W));
 }
 
+void SplitIntegrator::archive_run(StateArchive& run) {
+  run.pass(run_.scale, run_.V[0], *run_.memory);
+  archive_work(run);
+}
+
 void SplitIntegrator::store(MatrixView W) const {
   on_threads(threads_, [&] { run_.V[0].store(W); });
   if (run_.scale.value != 1.0) W *= run_.scale.value;

@@ -48,6 +48,9 @@ class SplitIntegrator : public Integrator {
                                StepMemory& memory) = 0;
   /// Returns the work since construction.
   virtual Work work() const = 0;
+  /// Passes what work() counts to an archive, or goes on from what is read: the work of a step is a
+  /// difference, whose rounding depends on it.
+  virtual void archive_work(StateArchive& run) = 0;
   /// Is told that the state is amended, and has the scale that it had.  Past steps still predict.
   virtual void amended() {}
 
@@ -60,6 +63,7 @@ class SplitIntegrator : public Integrator {
   StepReport advance_state(double h) final { return advance(h); }
   void store(MatrixView W) const final;
   StepReport step_alone(MatrixView W, double h) final;
+  void archive_run(StateArchive& run) final;
   StepReport advance(double h);
   void take(const ConstMatrixView& W, const StateScale& found);
 

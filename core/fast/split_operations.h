@@ -24,6 +24,7 @@ struct SplitOperations {
   Index size() const { return products.size(); }
   /// Returns the work since construction.
   Work work() const { return work_of(products, single_products, generator); }
+  void archive_work(StateArchive& run) { run.pass(products, single_products, generator); }
 
   SplitProducts products;
   SingleProducts single_products;

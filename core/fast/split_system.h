@@ -27,6 +27,7 @@ class SplitSystem : public StageSystem, public TwoPartJacobian {
   bool truncates() const final { return bands_.enabled(); }
   void truncate(bool enabled) final { bands_.enable(enabled); }
   Work work() const final { return work_of(products_, single_products_, generator_); }
+  void archive_work(StateArchive& run) final { run.pass(products_, single_products_, generator_); }
 
  protected:
   /// With kinds[k] unknown matrices of kind k, and the stages W̃_1 ... W̃_s.  Throws

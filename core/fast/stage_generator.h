@@ -72,6 +72,8 @@ class StageGenerator {
   double norm_bound() const { return generator_->norm_bound(); }
   /// Returns the number of evaluations of B since construction.
   long solves() const { return solves_; }
+  /// Passes that number to an archive, or goes on from one that is read.
+  void archive(StateArchive& counts) { counts.pass(solves_); }
 
  private:
   Index n_;

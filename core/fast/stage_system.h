@@ -47,6 +47,8 @@ class StageSystem : public FixedPointSystem {
 
   /// Returns the work since construction.
   virtual Work work() const = 0;
+  /// Passes what work() counts to an archive, or goes on from what is read.
+  virtual void archive_work(StateArchive& run) = 0;
 };
 
 }  // namespace isosyrk

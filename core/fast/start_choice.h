@@ -1,6 +1,8 @@
 // The choice between two ways to start an iteration, by the errors that they were seen to have.
 #pragma once
 
+#include "isosyrk/linalg/state_archive.h"
+
 namespace isosyrk {
 
 /// Chooses between start values from past steps and those of an explicit step, for systems that
@@ -29,6 +31,7 @@ class StartChoice {
   void record_failure_of_past() { prefers_past_ = false; }
 
   void forget() { *this = StartChoice(); }
+  void archive(StateArchive& state) { state.pass(prefers_past_, steps_since_trial_, of_explicit_); }
 
  private:
   // Largest error of past steps, as a multiple of that of the explicit step, at which they are

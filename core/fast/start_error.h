@@ -24,6 +24,8 @@ class StartError {
 
   /// Forgets all steps.
   void forget() { is_known_ = is_of_this_step_ = false; }
+  /// The error of the last step.  Between steps Ω⁰ is of none.
+  void archive(StateArchive& state) { state.pass(is_known_, size_of_error_, error_); }
 
   /// Takes the explicit start values of a step, and adds their expected error if it is known.
   /// transport(out, X) sets out = U X U† with the U of the step before.

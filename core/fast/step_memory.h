@@ -1,6 +1,8 @@
 // What a step leaves to the next one.
 #pragma once
 
+#include "isosyrk/linalg/state_archive.h"
+
 namespace isosyrk {
 
 /// All that a method remembers of the steps of a run, beside the state: one object for each run.
@@ -13,12 +15,15 @@ class StepMemory {
   virtual ~StepMemory() = default;
   /// Forgets all steps: the next one is the first of a run.  Allocates nothing.
   virtual void forget() = 0;
+  /// Passes what forget() forgets to an archive, or takes it from there (Integrator::archive).
+  virtual void archive(StateArchive& state) = 0;
 };
 
 /// The memory of a method that remembers nothing.
 class NoMemory final : public StepMemory {
  public:
   void forget() override {}
+  void archive(StateArchive&) override {}
 };
 
 }  // namespace isosyrk

@@ -103,6 +103,7 @@ class AdamsBashforthMoulton final : public ExplicitRungeKutta<Scalar> {
  private:
   StepReport take_step(const Stored& W0, double h, Stored& W1) override;
   void forget() override { past_.forget(); }
+  void archive_past(StateArchive& run) override { run.pass(past_); }
 
   MultistepScheme scheme_;
   PastSlopes<Stored> past_;

@@ -64,6 +64,11 @@ StepReport FrameIntegrator::advance_state(double h) {
   return report;
 }
 
+void FrameIntegrator::archive_run(StateArchive& run) {
+  method_->archive(run);
+  run.pass(U_.a, U_.b, rate_, past_, h_, steps_);
+}
+
 void FrameIntegrator::store(MatrixView W) const {
   method_->state(V_);
   frame_.turn(turned(), V_, W);

@@ -32,6 +32,7 @@ class FrameIntegrator final : public Integrator {
   StepReport advance_state(double h) override;
   void store(MatrixView W) const override;
   StepReport step_alone(MatrixView W, double h) override;
+  void archive_run(StateArchive& run) override;
   SpinRotation turned() const;
 
   // Workspace of store(), too.

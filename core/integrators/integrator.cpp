@@ -132,6 +132,15 @@ StepReport Integrator::step(MatrixView W, double h) {
   return report;
 }
 
+void Integrator::archive(StateArchive& run) {
+  if (run.is_reading()) is_known_ = false;
+  bool is_known = is_known_;
+  run.pass(trace_, is_known);
+  if (is_known) run.pass(known_);
+  archive_run(run);
+  is_known_ = is_known;
+}
+
 template <class Scalar>
 IntegratorIn<Scalar>::IntegratorIn(SharedFlowIn<Scalar> flow)
     : Integrator(flow),
@@ -190,6 +199,13 @@ StepReport IntegratorIn<Scalar>::step_alone(MatrixView W, double h) {
     is_alone_ = !is_alone_;
   });
   return advance_state(h);
+}
+
+template <class Scalar>
+void IntegratorIn<Scalar>::archive_run(StateArchive& run) {
+  run.pass(found_, state_);
+  set_scale(found_.value);
+  archive_past(run);
 }
 
 template <class Scalar>

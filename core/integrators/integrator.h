@@ -9,6 +9,7 @@
 #include "isosyrk/iteration/attempt.h"
 #include "isosyrk/iteration/status.h"
 #include "isosyrk/iteration/work.h"
+#include "isosyrk/linalg/state_archive.h"
 
 namespace isosyrk {
 
@@ -75,6 +76,13 @@ class Integrator {
   /// nothing.  Throws as set_state and step.
   StepReport step(MatrixView W, double h);
 
+  /// Writes the run to an archive, or goes on with a run that is read from one: the state, and all
+  /// that past steps leave to the next.  The steps after it are those of the run that was written,
+  /// bit for bit.  What was written is read by an integrator of the same method, flow, tolerance
+  /// and other options, on any number of threads.  Throws as StateArchive::pass; a state must then
+  /// be set before the next step.
+  void archive(StateArchive& run);
+
   const Flow& flow() const { return *flow_; }
 
   /// Makes this the inner method of another integrator, which knows its states and sets traces
@@ -98,6 +106,8 @@ class Integrator {
   virtual void store(MatrixView W) const = 0;
   /// Implements step(W, h), for W, n x n, and finite h.
   virtual StepReport step_alone(MatrixView W, double h) = 0;
+  /// Implements archive() for the state and for all that a step leaves to the next.
+  virtual void archive_run(StateArchive& run) = 0;
 
   double trace_of(const ConstMatrixView& W) const;
   template <class Take>
@@ -156,6 +166,8 @@ class IntegratorIn : public Integrator {
 
   /// Forgets all past steps of the run, after a step that failed and before a state that is set.
   virtual void forget() {}
+  /// Passes all past steps of the run to an archive, or takes them from it: what forget() forgets.
+  virtual void archive_past(StateArchive&) {}
   /// True during a lone step, which neither uses past steps of the run nor joins them.
   bool is_alone() const { return is_alone_; }
 
@@ -169,6 +181,7 @@ class IntegratorIn : public Integrator {
   StepReport advance_state(double h) final;
   void store(MatrixView W) const final;
   StepReport step_alone(MatrixView W, double h) final;
+  void archive_run(StateArchive& run) final;
   void take(const StateScale& found);
   void exchange(MatrixView W, const StateScale& of_W);
   void generate(const Stored& W, Stored& B) const;

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include "isosyrk/linalg/state_archive.h"
 
 namespace isosyrk {
 
@@ -28,6 +31,11 @@ class PastSlopes {
   bool is_complete() const { return count_ == slopes_.size(); }
   const std::vector<Stored>& slopes() const { return slopes_; }
   void forget() { count_ = 0; }
+  void archive(StateArchive& state) {
+    state.pass(count_, h_);
+    if (count_ > slopes_.size()) throw std::invalid_argument("state: is of another method");
+    for (std::size_t k = 0; k < count_; ++k) state.pass(slopes_[k]);
+  }
 
  private:
   std::vector<Stored> slopes_;

@@ -88,6 +88,12 @@ StepReport Projected::advance_state(double h) {
   return report;
 }
 
+void Projected::archive_run(StateArchive& run) {
+  method_->archive(run);
+  run.pass(V_, eigenvalues_, drift_of_norm_, is_projected_);
+  if (is_projected_) run.pass(W_);
+}
+
 const Matrix& Projected::projected() const {
   if (!is_projected_) {
     W_ = V_;

@@ -60,6 +60,7 @@ class Projected final : public Integrator {
   StepReport advance_state(double h) override;
   void store(MatrixView W) const override;
   StepReport step_alone(MatrixView W, double h) override;
+  void archive_run(StateArchive& run) override;
 
   void begin();
   bool project(const RealVector& eigenvalues, Matrix& V) const;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "isosyrk/linalg/matrix.h"
+#include "isosyrk/linalg/state_archive.h"
 
 namespace isosyrk {
 
@@ -11,6 +12,8 @@ namespace isosyrk {
 struct StateScale {
   double value = 1.0;
   double frobenius_norm = 0.0;  ///< ‖W‖_F
+
+  void archive(StateArchive& state) { state.pass(value, frobenius_norm); }
 };
 
 /// Returns ‖W‖_F, whose squares neither overflow nor underflow where they count.

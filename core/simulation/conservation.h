@@ -4,6 +4,7 @@
 #include <array>
 
 #include "isosyrk/flows/energy.h"
+#include "isosyrk/linalg/state_archive.h"
 #include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
@@ -28,6 +29,9 @@ class ConservationWatch {
   /// Returns the errors of W and the largest energy error observed.  Throws std::invalid_argument
   /// unless W is finite.
   Conservation report(const Matrix& W) const;
+
+  /// Passes what was observed to an archive, or takes it from there.
+  void archive(StateArchive& state) { state.pass(energy_error_); }
 
  private:
   const Scene& scene_;

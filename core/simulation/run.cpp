@@ -35,6 +35,21 @@ RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps, 
 
 }  // namespace
 
+void RunReport::append(const RunReport& later) {
+  status = later.status;
+  failed_step = later.converged() ? 0 : steps + later.failed_step;
+  if (later.steps > 0 || !later.converged()) last_change = later.last_change;
+  steps += later.steps;
+  contraction = larger(contraction, later.contraction);
+  sweeps += later.sweeps;
+  work += later.work;
+}
+
+void RunReport::archive(StateArchive& state) {
+  state.pass(steps, last_change, contraction, sweeps);
+  state.pass(work.products, work.equivalent_products, work.poisson_solves, work.projections);
+}
+
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps) {
   return run_steps(integrator, W, h, steps,
                    [](const RunReport&, const StepReport&) { return true; });

@@ -21,6 +21,11 @@ struct RunReport {
   double sweeps_per_step() const {
     return steps == 0 ? 0.0 : static_cast<double>(sweeps) / static_cast<double>(steps);
   }
+
+  /// Adds a run that follows, from the state where this one ended: the totals of both in one.
+  void append(const RunReport& later);
+  /// Passes the totals of a run that converged to an archive, or takes them from it.
+  void archive(StateArchive& state);
 };
 
 /// Advances W, n x n, by `steps` steps of size h and returns the totals.  Stops at the first step

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "isosyrk/linalg/state_archive.h"
 #include "isosyrk/solver/tuning.h"
 
 namespace isosyrk {
@@ -17,6 +18,7 @@ struct IterationMemory {
   std::optional<double> left_by_correction = {};
 
   void forget() { *this = {}; }
+  void archive(StateArchive& state) { state.pass(contraction, start_change, left_by_correction); }
 };
 
 }  // namespace isosyrk

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "isosyrk/linalg/matrix.h"
+#include "isosyrk/linalg/state_archive.h"
 
 namespace isosyrk {
 
@@ -30,6 +31,7 @@ class LinearPrediction {
   void add();
   /// Begins an empty sequence.
   void forget() { known_ = 0; }
+  void archive(StateArchive& state) { state.pass(vectors_, dots_, newest_, known_); }
 
   /// Returns the number of weights that can be fitted: the number of known vectors less one.
   int terms() const { return known_ > 0 ? known_ - 1 : 0; }

@@ -130,4 +130,14 @@ void Predictor::forget() {
   of_differences_.forget();
 }
 
+void Predictor::archive(StateArchive& state) {
+  state.pass(known_, newest_, h_);
+  const auto most_known = static_cast<int>(past_.size());
+  if (known_ < 0 || known_ > most_known || (known_ > 0 && newest_ >= past_.size())) {
+    throw std::invalid_argument("state: is of another number of past steps");
+  }
+  for (int k = 0; k < known_; ++k) state.pass(past_[place(k)]);
+  state.pass(of_differences_);
+}
+
 }  // namespace isosyrk

@@ -41,11 +41,14 @@ class Predictor {
 
   /// Forgets all past steps.
   void forget();
+  /// The past steps that are stored, and the sequence of their differences.
+  void archive(StateArchive& state);
 
  private:
-  const Unknowns& past(int steps) const {
-    return past_[(newest_ + past_.size() - static_cast<std::size_t>(steps)) % past_.size()];
+  std::size_t place(int steps) const {
+    return (newest_ + past_.size() - static_cast<std::size_t>(steps)) % past_.size();
   }
+  const Unknowns& past(int steps) const { return past_[place(steps)]; }
   int weigh();
   void learn();
 

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "isosyrk/linalg/state_archive.h"
 #include "isosyrk/split/parallel.h"
 
 namespace isosyrk {
@@ -59,6 +60,8 @@ class SplitMatrixOf {
   /// All numbers, padding included, as one vector: for linear combinations and the Frobenius norm.
   Entries& entries() { return entries_; }
   const Entries& entries() const { return entries_; }
+
+  void archive(StateArchive& state) { state.pass(band_, entries_); }
 
   /// Copies W and resets the band to n - 1.
   template <class Source>

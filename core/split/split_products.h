@@ -123,6 +123,8 @@ class SplitProductsOf {
     return static_cast<double>(half_multiplications_) / static_cast<double>(2 * n_ * n_ * n_);
   }
   Index size() const { return n_; }
+  /// Passes both counts to an archive, or goes on from counts that are read.
+  void archive(StateArchive& counts) { counts.pass(count_, half_multiplications_); }
 
  private:
   // Refuses what cannot be formed, counts the product, and sets the band of C.
