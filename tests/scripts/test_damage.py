@@ -11,6 +11,7 @@ import unittest
 
 import claims_documents
 import limits_documents
+import practice_documents
 import scaling_documents
 import study_documents
 import threads_documents
@@ -21,6 +22,7 @@ from studies.accuracy.schema import SCHEMA as ACCURACY
 from studies.claims import schema as claims_files
 from studies.limits import schema as limits_files
 from studies.longruns import schema as longruns_files
+from studies.practice import schema as practice_files
 from studies.scaling import schema as scaling_table
 from studies.threads import schema as threads_table
 from studies.claims.judge import read_claims_table
@@ -71,6 +73,8 @@ STUDIES = {
     "limits": (lambda folder: limits_documents.write(folder, limits_documents.limits_study()), limits_files.SCHEMA,
                limits_files.read_limits, "limits"),
     "longruns": (write_longruns, longruns_files.SCHEMA, longruns_files.read_longruns, "longruns"),
+    "practice": (lambda folder: practice_documents.write_practice(os.path.join(folder, "raw.json")),
+                 practice_files.SCHEMA, practice_files.read_practice, "practice"),
     "scaling": (write_scaling, scaling_table.SCHEMA, scaling_table.read_scaling, "scaling"),
     "threads": (write_threads, threads_table.SCHEMA, threads_table.read_threads, None)}
 if HAS_MODULE:
@@ -323,6 +327,19 @@ CONTRADICTIONS = {
         (none("points"), "no runs"), (change("points", n=65), "without its plan"),
         (change("long_runs", n=17), "more than one n"), (change("long_runs", integrator="rk5_frame"), "its integrator"),
         (change("points", integrator="rk5_frame"), "its integrator")),
+    "practice": (
+        (none("problems"), "no problems"), (change("problems", n=65), "without the problem"),
+        (keep("integrators", lambda row: row["name"] != "elp4_frame"), "runs of elp4_frame"),
+        (keep("runs", lambda row: row["role"] != "practice"), "not one run of the practice"),
+        (change("runs", is_of(role="quflow"), role="practice"), "not one run of the practice"),
+        (change("runs", is_of(wanted="tenth"), wanted="same"), "has a run twice"),
+        (change("runs", error=None), "with steps and without errors"),
+        (change("runs", steps=None), "with steps and without errors"),
+        (change("runs", cpu_seconds=[1.0]), "not timed by the same processes"),
+        (change_all("runs", cpu_seconds=lambda row: []), "not timed by the same processes"),
+        (change("runs", is_of(steps=None), cpu_seconds=[1.0] * 6), "not timed by the same processes"),
+        (change("threads", seconds=[1.0]), "not of the same processes as one thread"),
+        (keep("threads", is_of(threads=2)), "not of the same processes as one thread")),
     "scaling": (
         (none("points"), "no points"), (change("points", seconds=[]), "sweeps and no time"),
         (change("points", sweeps=None), "times and no sweeps"), (none("integrators"), "without its integrator"),
