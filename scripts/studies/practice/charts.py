@@ -5,7 +5,7 @@ from lib.pages.chart_panels import (FAMILY_COLOURS, FORMULATION_COLOURS, KEEPING
 from lib.pages.numbers import span
 from lib.records.integrators import EXPONENTIAL, MAGNUS
 from studies.practice.judge import BEST, cheapest, gains
-from studies.practice.schema import AT_TENTH, SCENES
+from studies.practice.schema import AT_TENTH, SCENES, TURBULENCE
 
 PURPLE = FORMULATION_COLOURS["algebra"][0]
 POISSON, SPECTRUM, NOTHING = ({"linestyle": LINES[each]} for each in ("poisson", "spectrum", "nothing"))
@@ -38,18 +38,20 @@ def time_against_n(study):
     drawn = {scene: rows_of(study, scene) for scene in scenes}
     labels = [DRAWN[each][0] for each in DRAWN]
     figure, (panels,) = new_figure(title_of(study, scenes), 1, len(scenes), 5.2, keys=3, sharey=True, labels=labels)
+    ends = []  # of the lines of each panel, labelled when all are drawn, since they share an axis
     for axes, (scene, lines) in zip(panels, drawn.items()):
         logarithmic(axes)
-        axes.set(title=f"{scene} scene" if scene != "turbulence" else "developed turbulence", xlabel="n")
-        ends = []
+        axes.set(title=f"{scene} scene" if scene != TURBULENCE else "developed turbulence", xlabel="n")
+        ends.append([])
         for each, points in lines.items():
             label, colour, style = DRAWN[each]
             for stretch in unbroken(points):
                 line = [(n, 1e3 * row.seconds / study.problems[scene, n].time) for n, row in stretch]
                 draw_line(axes, label, line, color=colour, **style)
-            ends.append((line[-1], label, colour))
+            ends[-1].append((line[-1], label, colour))
         label_sizes([axes], sizes[scene])
-        label_ends(axes, ends)
+    for axes, found in zip(panels, ends):
+        label_ends(axes, found, in_one_column=True)
     panels[0].set_ylabel("CPU milliseconds for a unit of simulated time")
     note(figure, "Practice and quflow: isospectral midpoint, h = ħ/4, tolerance 1e-8 and quflow's default. Others: the"
          " cheapest method of a class at a tenth of the practice's error, at the tolerance that it needs; Gauss methods"

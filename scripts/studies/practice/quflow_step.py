@@ -32,9 +32,9 @@ def checkout():
     for module in NEEDS:
         if importlib.util.find_spec(module) is None:
             raise Stop(f"{named} needs {module}; install python3-{module}, or leave QUFLOW out")
-    head, changes = (subprocess.run(["git", "-C", folder, *question], capture_output=True, encoding="utf-8", check=False)
-                     for question in (("rev-parse", "--short=12", "HEAD"),
-                                      ("status", "--porcelain", "--untracked-files=no", "--", "quflow")))
+    head, changes = (subprocess.run(["git", "-C", folder, *question], capture_output=True, encoding="utf-8",
+                                    check=False) for question in (
+        ("rev-parse", "--short=12", "HEAD"), ("status", "--porcelain", "--untracked-files=no", "--", "quflow")))
     if head.returncode != 0:
         raise Stop(f"{named} is no checkout of quflow (git does not tell its commit)")
     return os.path.realpath(folder), head.stdout.strip() + ("-dirty" if changes.stdout else "")

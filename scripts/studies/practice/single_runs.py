@@ -139,9 +139,8 @@ class Setting(trials.Setting):
     def reference(self):
         return load(self.job, REFERENCE)
 
-    def method(self, name, tolerance, **options):
-        return isosyrk.integrator(self.scene, name, solver=built.solver_of(name), tolerance=tolerance,
-                                  max_sweeps=plan.MAX_SWEEPS, **options)
+    def method(self, name, tolerance):
+        return method_of(self.scene, name, tolerance)
 
     def look(self, method, steps):
         """Makes one run to T. Returns its Look, without an error against the reference, and W(T)."""
@@ -165,6 +164,12 @@ class Setting(trials.Setting):
 def scene_of(job):
     """Returns the scene of a job, from its kept initial data."""
     return isosyrk.scene(job["scene"], initial=load(job, INITIAL), hbar="paper")
+
+
+def method_of(scene, name, tolerance, **options):
+    """Returns an integrator, in its fast form where it has one."""
+    return isosyrk.integrator(scene, name, solver=built.solver_of(name), tolerance=tolerance,
+                              max_sweeps=plan.MAX_SWEEPS, **options)
 
 
 def rounded(value):

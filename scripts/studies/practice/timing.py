@@ -13,7 +13,7 @@ import time
 from lib.running import timed
 from studies.practice import plan, quflow_step
 from studies.practice.schema import AT_TENTH, METHOD, QUFLOW
-from studies.practice.single_runs import INITIAL, REFERENCE, Setting, load
+from studies.practice.single_runs import INITIAL, REFERENCE, load, method_of, scene_of
 
 REPETITIONS, LONG = 2, 0.3  # interleaved within a process, of which the least counts; once for runs of LONG seconds
 CPU, PASSED = "timing", "threads"  # kinds of blocks: CPU seconds, and seconds that pass by numbers of threads
@@ -83,27 +83,27 @@ def time_block(block):
     `process` of the block tells the orders of one process from those of another, `folder` has the states, and `quflow`
     is its checkout.
     """
-    setting, shuffled = Setting(block), random.Random(block["process"])
+    scene, shuffled = scene_of(block), random.Random(block["process"])
     time_one = time_passed if block["kind"] == PASSED else time_run
     found = {row: [] for row in block["rows"]}
     for _ in range(REPETITIONS):
         for row in shuffled.sample(block["rows"], len(block["rows"])):
             if not found[row] or min(found[row]) < LONG:
-                found[row].append(time_one(setting, block, block["runs"][row]))
+                found[row].append(time_one(scene, block, block["runs"][row]))
     return [min(each) for each in found.values()]
 
 
-def time_run(setting, block, run):
+def time_run(scene, block, run):
     """Returns the CPU seconds of a run."""
-    initial, h = setting.scene.initial, block["time"] / run["steps"]
+    initial, h = scene.initial, block["time"] / run["steps"]
     if block["n"] > plan.LARGEST_WHOLE:
-        return time_places(setting, block, run)
+        return time_places(scene, block, run)
     if run["role"] == QUFLOW:
         return quflow_step.seconds_of(block["quflow"], initial, h, run["steps"])
-    return timed.seconds_of(setting.method(run["integrator"], run["tolerance"]), initial, h, run["steps"])
+    return timed.seconds_of(method_of(scene, run["integrator"], run["tolerance"]), initial, h, run["steps"])
 
 
-def time_places(setting, block, run):
+def time_places(scene, block, run):
     """Returns the CPU seconds of a run, from some steps at each place."""
     warm, steps = plan.part_of(block["n"], run["steps"], run["products"],
                                run["role"] != QUFLOW and plan.is_explicit(run["integrator"]))
@@ -113,7 +113,7 @@ def time_places(setting, block, run):
         if run["role"] == QUFLOW:
             rates.append(quflow_step.seconds_of(block["quflow"], W, h, steps, warm) / steps * run["steps"])
             continue
-        method = setting.method(run["integrator"], run["tolerance"])
+        method = method_of(scene, run["integrator"], run["tolerance"])
         if warm and place:  # a run begins without past steps
             W, _ = method.run(W, h, warm)
         _, report = method.run(W, h, steps)
@@ -121,10 +121,10 @@ def time_places(setting, block, run):
     return statistics.fmean(rates)
 
 
-def time_passed(setting, block, run):
+def time_passed(scene, block, run):
     """Returns the seconds that pass for a whole run by some threads."""
-    method = setting.method(run["integrator"], run["tolerance"], threads=run["threads"])
-    initial, h = setting.scene.initial, block["time"] / run["steps"]
+    method = method_of(scene, run["integrator"], run["tolerance"], threads=run["threads"])
+    initial, h = scene.initial, block["time"] / run["steps"]
     begun = time.perf_counter()
     method.run(initial, h, run["steps"])
     return time.perf_counter() - begun
