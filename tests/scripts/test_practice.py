@@ -275,9 +275,13 @@ class Runs(FolderTest):
             self.assertTrue(os.path.exists(single_runs.state_path(job, "reference_place2")))
             run_ = {"role": "method", "integrator": "rk8_frame", "tolerance": 1e-13, "steps": 600, "products": 7200.0}
             block = {**job, "kind": timing.CPU, "process": 0, "rows": ["a"], "runs": {"a": run_}}
-            (parts,) = timing.time_block(block)
+            parts = [timing.time_block({**block, "process": process})[0] for process in range(plan.PLACES)]
+            os.unlink(single_runs.state_path(job, "reference_place2"))
+            with self.assertRaises(FileNotFoundError):  # the control: each process has a place
+                timing.time_block({**block, "process": 2})
         (whole,) = timing.time_block(block)
-        self.assertTrue(0.3 < parts / whole < 3, (parts, whole))
+        for part in parts:
+            self.assertTrue(0.3 < part / whole < 3, (parts, whole))
 
     def test_work_that_was_lost_with_its_states_is_done_again_after_an_interruption(self):
         raw = self.path("raw.json")

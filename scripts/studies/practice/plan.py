@@ -13,7 +13,7 @@ from studies.practice.schema import BASELINE_SHARE, ROUGH, SMOOTH, TURBULENCE
 # The names are keys of the plan: methods that the studies accuracy and turbulence found to be the cheapest of their
 # class, or that people ask for. A method of a new family is tried besides.
 METHODS = ("rk8", "rk5", "rk8_projected", "magnus5", "rkmk4", "elp4", "elp6", "group2")
-LARGE_METHODS = ("rk8", "magnus5", "elp4")  # beyond MIDDLE
+LARGE_METHODS = ("rk8", "magnus5", "elp4")  # beyond MIDDLE, and by threads beyond SMALL
 REFERENCES = ("rk8", "magnus5")  # explicit, not isospectral; and on the group, isospectral
 SIZES, QUICK_SIZES = (129, 257, 513, 1025), (33,)
 SCENE_SIZES = {SMOOTH: 257, ROUGH: 1025, TURBULENCE: 513}  # the largest n of each scene
@@ -38,7 +38,7 @@ LOOKS = 20  # at the energy in a run
 
 PROCESSES, QUICK_PROCESSES = verdicts.FEWEST, 1
 LARGEST_WHOLE = SMALL  # n up to which whole runs are timed
-PLACES = 3  # of a run, beyond that: its beginning, and after a third and two thirds of it, each with
+PLACES = 3  # of a run, beyond that, in turn by process: its beginning, after a third and after two thirds of it, with
 PART_STEPS, WARM_STEPS = 20, 32  # timed steps behind some that are not, at most a third of the run, and no more than
 PART_WORK = 5e10  # floating-point operations of products take, if that allows one step
 THREADS, THREAD_SCENE, LARGEST_THREADED = (1, 2), ROUGH, 513
@@ -84,9 +84,10 @@ def methods_of(n, in_frame, asked=None):
     return [each for name, each in found.items() if not asked or each.method in asked]
 
 
-def has_threads(name):
-    """Tells whether several threads may share the work of an integrator: of fast forms."""
-    return built.integrators()[name].has_fast_form
+def has_threads(name, n):
+    """Tells whether an integrator is timed by several threads at an n: fast forms, whose work they share."""
+    entry = built.integrators()[name]
+    return entry.has_fast_form and (n <= LARGEST_WHOLE or entry.method in LARGE_METHODS)
 
 
 def is_explicit(name):
@@ -113,7 +114,7 @@ def forms_of(entry, error, n):
 
 
 def part_of(n, steps, work, explicit):
-    """Returns how many steps at each place of a run are not timed, and how many are, given its steps and products."""
+    """Returns how many steps at a place of a run are not timed, and how many are, given its steps and products."""
     affordable = math.floor(PART_WORK / (8 * n**3 * work / steps))
     third = max(1, steps // PLACES)
     timed, warm = (max(1, min(most, third, affordable)) for most in (PART_STEPS, WARM_STEPS))

@@ -202,10 +202,10 @@ def how_parts(study):
                       f" their energy stays bounded.{drawn}"),
             Paragraph(f"Times are CPU seconds by {span(counts, str)} fresh processes on one core, which time all rows"
                       f" of a problem interleaved, in changing order; fewer than {FEWEST} decide nothing. Up to"
-                      f" n = {settings.largest_whole} whole runs are timed, beyond it some steps at {settings.places}"
-                      " places of a run, scaled to the whole by equivalent products; of a method with two numbers of"
-                      " steps those of the smaller error are timed for both. quflow's compiler has done its work before"
-                      " its step is timed, by one thread. Capped steps ended at the largest number of iterations.")]
+                      f" n = {settings.largest_whole} whole runs are timed, beyond it some steps at one of"
+                      f" {settings.places} places of a run, in turn by process, scaled to the whole by equivalent"
+                      " products; of a method with two numbers of steps those of the smaller error are timed for"
+                      " both. quflow's compiler has done its work before its step is timed, by one thread. Capped steps ended at the largest number of iterations.")]
 
 
 def rendered(raw, _recorded):

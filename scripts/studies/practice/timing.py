@@ -1,13 +1,12 @@
 """The times of the study `practice`, by fresh processes: blocks, what a process does, and processes that are wanted.
 
 A block is all that is timed on one problem, so that any two of its rows are paired by process. Up to LARGEST_WHOLE a
-process times whole runs. Beyond, it times some steps at PLACES of a run, behind some that are not timed, and the time
-is scaled to the whole run by equivalent products; of a method that has two step sizes, those of the shorter are timed
-and give the time of both. Needs isosyrk.
+process times whole runs. Beyond, a process times some steps at one place of a run, behind some that are not timed, and
+the time is scaled to the whole run by equivalent products: the places take turns, so that each has two of six
+processes. Of a method that has two step sizes, the shorter one is timed and gives the time of both. Needs isosyrk.
 """
 
 import random
-import statistics
 import time
 
 from lib.running import timed
@@ -46,10 +45,10 @@ def run_of(row):
 def thread_block(problem, rows, numbers):
     """Returns the fast forms at a tenth of the practice's error by numbers of threads, on a problem.
 
-    Each runs at the tolerance that it needs, the first of its rows.
+    Each runs at the tolerance that it needs, the first of its rows. Where whole runs take long there are few methods.
     """
     first = {row["integrator"]: row for row in reversed(rows) if row["role"] == METHOD and row["wanted"] == AT_TENTH
-             and row.get("steps") and plan.has_threads(row["integrator"])}
+             and row.get("steps") and plan.has_threads(row["integrator"], problem["n"])}
     runs = {f"{row_name(row)} {number}": {**run_of(row), "threads": number}
             for row in reversed(first.values()) for number in numbers}
     return {**problem, "kind": PASSED, "rows": list(runs), "runs": runs}
@@ -97,28 +96,25 @@ def time_run(scene, block, run):
     """Returns the CPU seconds of a run."""
     initial, h = scene.initial, block["time"] / run["steps"]
     if block["n"] > plan.LARGEST_WHOLE:
-        return time_places(scene, block, run)
+        return time_part(scene, block, run)
     if run["role"] == QUFLOW:
         return quflow_step.seconds_of(block["quflow"], initial, h, run["steps"])
     return timed.seconds_of(method_of(scene, run["integrator"], run["tolerance"]), initial, h, run["steps"])
 
 
-def time_places(scene, block, run):
-    """Returns the CPU seconds of a run, from some steps at each place."""
-    warm, steps = plan.part_of(block["n"], run["steps"], run["products"],
-                               run["role"] != QUFLOW and plan.is_explicit(run["integrator"]))
-    h, rates = block["time"] / run["steps"], []
-    for place in range(plan.PLACES):
-        W = load(block, f"{REFERENCE}_place{place}" if place else INITIAL)
-        if run["role"] == QUFLOW:
-            rates.append(quflow_step.seconds_of(block["quflow"], W, h, steps, warm) / steps * run["steps"])
-            continue
-        method = method_of(scene, run["integrator"], run["tolerance"])
-        if warm and place:  # a run begins without past steps
-            W, _ = method.run(W, h, warm)
-        _, report = method.run(W, h, steps)
-        rates.append(report.seconds / report.equivalent_products * run["products"])
-    return statistics.fmean(rates)
+def time_part(scene, block, run):
+    """Returns the CPU seconds of a run, from some steps at the place of this process."""
+    explicit = run["role"] != QUFLOW and plan.is_explicit(run["integrator"])
+    warm, steps = plan.part_of(block["n"], run["steps"], run["products"], explicit)
+    h, place = block["time"] / run["steps"], block["process"] % plan.PLACES
+    W = load(block, f"{REFERENCE}_place{place}" if place else INITIAL)
+    if run["role"] == QUFLOW:
+        return quflow_step.seconds_of(block["quflow"], W, h, steps, warm) / steps * run["steps"]
+    method = method_of(scene, run["integrator"], run["tolerance"])
+    if warm:
+        W, _ = method.run(W, h, warm)
+    _, report = method.run(W, h, steps)
+    return report.seconds / report.equivalent_products * run["products"]
 
 
 def time_passed(scene, block, run):
