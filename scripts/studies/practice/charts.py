@@ -66,7 +66,7 @@ def title_of(study, scenes):
     text = "No method reaches a tenth of the practice's error"
     if pairs:
         over = [gains("practice", study.practice(key), best)["gain_over_practice"] for key, best in pairs]
-        text = f"The practice takes {span(over)} times as long as the best method takes for a tenth of its error"
+        text = f"The practice takes {span(over)} times as long as the best method for a tenth of its error"
     over = [found["gain_over_quflow"] for key, best in pairs
             if (found := gains("quflow", study.quflow(key), best))]
     return text + (f", and quflow {span(over)} times" if over else "")

@@ -61,7 +61,7 @@ def answer_text(found):
             if (each.wanted, each.group) == (AT_TENTH, BEST)]
     if not best:
         return "No method reaches a tenth of its error."
-    text = f"It takes {gain_span(best, PRACTICE)} times as long as the best method takes for a tenth of its error"
+    text = f"The practice takes {gain_span(best, PRACTICE)} times as long as the best method for a tenth of its error"
     over_quflow = [row for row in best if row.gain_over_quflow is not None]
     return f"{text}, and quflow {gain_span(over_quflow, QUFLOW)} times." if over_quflow else f"{text}."
 
@@ -205,7 +205,8 @@ def how_parts(study):
                       f" n = {settings.largest_whole} whole runs are timed, beyond it some steps at one of"
                       f" {settings.places} places of a run, in turn by process, scaled to the whole by equivalent"
                       " products; of a method with two numbers of steps those of the smaller error are timed for"
-                      " both. quflow's compiler has done its work before its step is timed, by one thread. Capped steps ended at the largest number of iterations.")]
+                      " both. quflow's compiler has done its work before its step is timed, by one thread. Capped"
+                      " steps ended at the largest number of iterations.")]
 
 
 def rendered(raw, _recorded):
