@@ -33,7 +33,7 @@ FLOOR = 1e-12  # this accurate, which rounding allows at every n here
 MAX_DIFFERENCE = 1e-3  # of two references, over the practice's error: a hundredth of the smallest wanted error
 MAX_HALVINGS = 7
 CLOSE = ((SMALL, 1.03), (math.inf, 1.1))  # the fewest steps are found to this factor, up to an n
-MAX_SWEEPS = 60  # of a step, which is of no use to anybody if it takes more
+MAX_SWEEPS = 30  # of a step: one that takes more is expensive, and shorter steps are cheaper
 LOOKS = 20  # at the energy in a run
 
 PROCESSES, QUICK_PROCESSES = verdicts.FEWEST, 1
