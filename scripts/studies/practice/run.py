@@ -43,13 +43,12 @@ def parse(arguments):
 # ---- untimed stages
 
 
-def with_states(checkpoint, options, folder):
+def with_states(checkpoint, options):
     """Returns a function (jobs, work, what) as untimed.results, which does again what lost its states."""
     def results(jobs, work, what):
         for job in jobs:
             key = key_of(what, job)
-            if key in checkpoint.found and not single_runs.is_kept({**job, "folder": folder},
-                                                                   checkpoint.found[key]["states"]):
+            if key in checkpoint.found and not single_runs.is_kept(job, checkpoint.found[key]["states"]):
                 del checkpoint.found[key]
         return untimed.results(jobs, work, checkpoint, options, what)
     return results
@@ -166,7 +165,7 @@ def main(arguments):
                                                          sizes=sorted({min(n, plan.MIDDLE) for n in sizes})))
     make_folder("--out", folder)
     problems = [{**problem, "folder": folder} for problem in sorted(listed, key=lambda each: each["n"])]
-    known = list(prepared(problems, with_states(checkpoint, options, folder)))
+    known = list(prepared(problems, with_states(checkpoint, options)))
     rows = list(rows_of(problems, known, quflow, options, checkpoint))
 
     plain = [{name: problem[name] for name in ("scene", "n", "time")} for problem in problems]
