@@ -256,6 +256,12 @@ class Runs(FolderTest):
         os.unlink(path)
         self.assertFalse(single_runs.is_kept(job, states))
 
+    def test_a_practice_that_does_not_converge_ends_the_study(self):
+        single_runs.begin(self.job())
+        with mock.patch.object(plan, "practice_steps", lambda job: 1):
+            with self.assertRaisesRegex(Stop, "the practice of the rough scene at n = 17: "):
+                single_runs.practise(self.job(time=1e3))
+
     def test_references_that_differ_too_much_end_the_study(self):
         job = self.job()
 

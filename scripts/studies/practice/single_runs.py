@@ -15,6 +15,7 @@ from typing import NamedTuple, Optional
 import isosyrk
 import numpy
 
+from lib.programs.command_line import Stop
 from lib.programs.output import replace_file
 from lib.records.formats import CONVERGED, FAST, UNSTABLE, to_digits
 from lib.records.settings import TIGHT
@@ -187,6 +188,8 @@ def practise(job):
     """Runs the practice. Returns hashes, its fields of Row but for the error, and what is known of the problem."""
     setting = Setting(job)
     look, W = setting.look(setting.method(BASELINE_INTEGRATOR, BASELINE_TOLERANCE), plan.practice_steps(job))
+    if not look.usable:
+        raise Stop(f"the practice of the {job['scene']} scene at n = {job['n']}: {look.status}")
     return {"states": {PRACTICE: save(job, PRACTICE, W)}, "row": fields_of(look), "in_frame": bool(setting.in_frame),
             "norm_ad_B": rounded(setting.own_norm)}
 
@@ -199,9 +202,9 @@ def solve(job):
     """
     setting, practice = Setting(job), load(job, PRACTICE)
     method, order = setting.method(job["integrator"], TIGHT), built.integrators()[job["integrator"]].order
-    steps, before, error = plan.PLACES * first_steps(setting, 1 / plan.PLACES), None, math.inf
-    for _ in range(plan.MAX_HALVINGS):
-        at = {}
+    fewest, before, error = plan.PLACES * first_steps(setting, 1 / plan.PLACES), None, math.inf
+    for halvings in range(plan.MAX_HALVINGS + 1):
+        steps, at = 2**halvings * fewest, {}
 
         def keep(step, W, _report):
             if step < steps:
@@ -214,7 +217,7 @@ def solve(job):
             error = isosyrk.relative_error(before, W) / (2**order - 1)
             if error <= max(plan.REFERENCE_SHARE * isosyrk.relative_error(practice, W), plan.FLOOR):
                 break
-        before, steps = W if good else None, 2 * steps
+        before = W if good else None
     states = {job["what"]: W, **{f"{job['what']}_place{place}": state for place, state in at.items()
                                  if job["what"] == REFERENCE and job["n"] > plan.LARGEST_WHOLE}}
     return {"states": {name: save(job, name, state) for name, state in states.items()}, "steps": steps,
