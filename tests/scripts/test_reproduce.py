@@ -219,7 +219,7 @@ class ReproduceTest(CopyTest):
         shutil.copy(write_scaling(self.folder), self.path("scaling.json"))
         write_tables(self.path("scaling-rough.json"), "rough", points=[point("elp4_frame", 257)])
         write_threads(self.path("threads.json"), [of_threads(), of_threads(2)])
-        for name in ("accuracy", "theorem", "longruns", "turbulence", "practice", "claims"):  # their rendering: stand-ins
+        for name in ("accuracy", "theorem", "longruns", "turbulence", "practice", "claims"):  # not rendered
             self.write(f"{name}.json", "{}")
 
     def prepare(self, program, raw):
