@@ -83,6 +83,9 @@ STUDIES = (
           of_one_part("turbulence", "Running turbulence, and timing its steps")),
     Study("fluid", "what one turbulent flow looks like, and what methods lose of it", 5, 0.5,
           of_one_part("fluid", "Running one turbulent flow")),
+    Study("practice", "what people run, the midpoint at h = ħ/4, against what reaches a tenth of its error for less;"
+          " with QUFLOW=FOLDER, a checkout, also quflow's own step", 100, 2,
+          of_one_part("practice", "Comparing what people run with what reaches its error for less")),
     Study("claims", "the paper's claims in GNU Octave, with AVX2 kernels, other initial data and two threads, in one"
           " table with what the other studies recorded", 50, 4,
           (Part("claims", "raw.json", "Measuring the paper's claims"),

@@ -26,8 +26,8 @@ from lib.records import integrators
 from lib.running import built
 integrators.FAMILIES += tuple(sys.argv[1:])
 import studies
-accuracy, limits, longruns, scaling, turbulence = (
-    studies.module(name, "plan") for name in ("accuracy", "limits", "longruns", "scaling", "turbulence"))
+accuracy, limits, longruns, practice, scaling, turbulence = (
+    studies.module(name, "plan") for name in ("accuracy", "limits", "longruns", "practice", "scaling", "turbulence"))
 options = SimpleNamespace(quick=True, integrator=None, n=None, solver=None, scene=None, no_large=False)
 points = scaling.points_of(scaling.entries_asked_for(options), scaling.QUICK_SIZES, lambda n: "eigen")
 settings = turbulence.settings_of(33, turbulence.plan_of(33, True), turbulence.names_of(None))
@@ -35,6 +35,7 @@ plans = {{
     "accuracy": [each.name for each in accuracy.quick_integrators(built.entries(None, frames=True))],
     "limits": [job["integrator"] for job in limits.jobs_of(options)],
     "longruns": [job["integrator"] for job in longruns.lines_of((17,), longruns.asked_for(options)[1])],
+    "practice": [each.name for each in practice.methods_of(33, True)],
     "scaling": [point["integrator"] for point in points],
     "turbulence": [setting.integrator for _, setting in settings]}}
 print(json.dumps({{name: sorted(set(found)) for name, found in plans.items()}}))
@@ -43,6 +44,7 @@ print(json.dumps({{name: sorted(set(found)) for name, found in plans.items()}}))
 RUNS = {"accuracy": (("--n", "17", "--scene", "smooth", "--repetitions", "1"), ("error_against_time",)),
         "limits": (("--n", "9", "17"), ("limits",)),
         "longruns": ((), ("energy_against_cost",)),
+        "practice": (("--n", "17", "--scene", "rough"), ()),
         "scaling": (("--n", "9", "--repetitions", "1", "--start", "5"), ()),
         "turbulence": (("--n", "11", "--processes", "1"), ())}  # nothing is faithful by so few samples
 # These compare the formulations of Gauss methods and of compositions; any other method has none.

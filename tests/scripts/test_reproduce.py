@@ -22,6 +22,8 @@ from scaling_documents import point, write_scaling, write_tables
 from threads_documents import run as of_threads
 from threads_documents import write_threads
 
+from studies import STUDIES
+
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
 STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
@@ -217,7 +219,7 @@ class ReproduceTest(CopyTest):
         shutil.copy(write_scaling(self.folder), self.path("scaling.json"))
         write_tables(self.path("scaling-rough.json"), "rough", points=[point("elp4_frame", 257)])
         write_threads(self.path("threads.json"), [of_threads(), of_threads(2)])
-        for name in ("accuracy", "theorem", "longruns", "turbulence", "claims"):  # whose rendering is a stand-in
+        for name in ("accuracy", "theorem", "longruns", "turbulence", "practice", "claims"):  # not rendered
             self.write(f"{name}.json", "{}")
 
     def prepare(self, program, raw):
@@ -397,14 +399,15 @@ class EndToEnd(ReproduceTest):
         for row in raw["benchmarks"]:
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
-        self.draws("accuracy", "limits", "longruns", "theorem", "claims", "turbulence")
+        self.draws("accuracy", "limits", "longruns", "theorem", "claims", "turbulence", "practice")
         told = self.reproduced("all", "--quick").stderr.splitlines()
-        self.assertIn("Job 2 of 9: table2", told)
+        self.assertIn(f"Job 2 of {len(STUDIES)}: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
                                  "scaling": {*STUDY_RESULTS, "rough.json", "threads.json"}, "limits": STUDY_RESULTS,
                                  "accuracy": STUDY_RESULTS, "longruns": STUDY_RESULTS, "turbulence": STUDY_RESULTS,
+                                 "practice": STUDY_RESULTS,
                                  "claims": {*STUDY_RESULTS, "avx2.json", "claims.json"}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 

@@ -102,8 +102,8 @@ def cheapest_steps(job):
     return best and row_of(job, best)
 
 
-def fewest_steps(look, steps, wanted, order):
-    """Returns the run with the fewest steps that reach an error, to CLOSE; None if none do.
+def fewest_steps(look, steps, wanted, order, close=CLOSE):
+    """Returns the run with the fewest steps that reach an error, to a factor `close`; None if none do.
 
     `look(steps)` makes a run. Between the most steps that fail and the fewest that do not, the next are those that the
     order tells from the last run, or the middle.
@@ -120,12 +120,12 @@ def fewest_steps(look, steps, wanted, order):
             if failing > maximum:
                 return None
             steps = max(math.ceil(FURTHER * failing), min(told, 2 * failing))
-        elif working.steps <= max(failing + 1, CLOSE * failing):
+        elif working.steps <= max(failing + 1, close * failing):
             break
         elif failing < told < working.steps:
             steps = told
         elif told >= working.steps:
-            steps = max(failing + 1, math.floor(working.steps / CLOSE - 1e-9))
+            steps = max(failing + 1, math.floor(working.steps / close - 1e-9))
         else:
             steps = max(failing + 1, min(working.steps - 1, round((failing * working.steps) ** 0.5)))
     return working
