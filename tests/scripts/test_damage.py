@@ -11,7 +11,7 @@ import unittest
 
 import claims_documents
 import limits_documents
-import baseline_documents
+import practice_documents
 import scaling_documents
 import study_documents
 import threads_documents
@@ -23,7 +23,7 @@ from studies.claims import schema as claims_files
 from studies.fluid import schema as fluid_files
 from studies.limits import schema as limits_files
 from studies.longruns import schema as longruns_files
-from studies.baseline import schema as baseline_files
+from studies.practice import schema as practice_files
 from studies.scaling import schema as scaling_table
 from studies.threads import schema as threads_table
 from studies.claims.judge import read_claims_table
@@ -84,8 +84,8 @@ STUDIES = {
     "limits": (lambda folder: limits_documents.write(folder, limits_documents.limits_study()), limits_files.SCHEMA,
                limits_files.read_limits, "limits"),
     "longruns": (write_longruns, longruns_files.SCHEMA, longruns_files.read_longruns, "longruns"),
-    "baseline": (lambda folder: baseline_documents.write_baseline(os.path.join(folder, "raw.json")),
-                 baseline_files.SCHEMA, baseline_files.read_baseline, "baseline"),
+    "practice": (lambda folder: practice_documents.write_practice(os.path.join(folder, "raw.json")),
+                 practice_files.SCHEMA, practice_files.read_practice, "practice"),
     "scaling": (write_scaling, scaling_table.SCHEMA, scaling_table.read_scaling, "scaling"),
     "threads": (write_threads, threads_table.SCHEMA, threads_table.read_threads, None)}
 if HAS_MODULE:
@@ -341,11 +341,11 @@ CONTRADICTIONS = {
         (none("points"), "no runs"), (change("points", n=65), "without its plan"),
         (change("long_runs", n=17), "more than one n"), (change("long_runs", integrator="rk5_frame"), "its integrator"),
         (change("points", integrator="rk5_frame"), "its integrator")),
-    "baseline": (
+    "practice": (
         (none("problems"), "no problems"), (change("problems", n=65), "without the problem"),
         (keep("integrators", lambda row: row["name"] != "elp4_frame"), "runs of elp4_frame"),
-        (keep("runs", lambda row: row["role"] != "baseline"), "not one run of the baseline"),
-        (change("runs", is_of(role="quflow"), role="baseline"), "not one run of the baseline"),
+        (keep("runs", lambda row: row["role"] != "practice"), "not one run of the practice"),
+        (change("runs", is_of(role="quflow"), role="practice"), "not one run of the practice"),
         (change("runs", is_of(wanted="tenth"), wanted="same"), "has a run twice"),
         (change("runs", error=None), "with steps and without errors"),
         (change("runs", steps=None), "with steps and without errors"),

@@ -28,7 +28,7 @@ from lib.records.formats import FORMULATIONS, listed, read_study
 from studies.limits.schema import read_limits
 from studies.longruns.schema import read_longruns
 from studies.longruns.judge import figures as longruns_figures
-from studies.baseline.schema import read_baseline
+from studies.practice.schema import read_practice
 from studies.scaling.schema import read_rough, read_scaling, ablations_of
 from studies.threads.schema import read_threads
 from studies.turbulence.schema import LOOSE, Setting, read_turbulence
@@ -52,21 +52,21 @@ RUNS = {
     "claims": ("--quick", "--n", "17", "--integrator", *OF_CLAIMS, "--processes", "1"),
     "limits": ("--quick", "--n", "9", "--integrator", *OF_LIMITS),
     "longruns": ("--quick", "--integrator", "rk4", "elp4"),
-    "baseline": ("--quick", "--n", "17", "--scene", "rough", "turbulence", "--integrator", "rk8", "elp4"),
+    "practice": ("--quick", "--n", "17", "--scene", "rough", "turbulence", "--integrator", "rk8", "elp4"),
     "scaling": ("--n", "9", "--integrator", "group1", "elp4", "rk4", "--repetitions", "2"),
     "theorem": ("--quick", "--n", "9", "--processes", "1", "--integrator", "group2", "algebra2", "yoshida4", "--scene",
                 "rigid_body", "spin_chain"),
     "threads": ("--quick", "--n", "17"),
     "turbulence": ("--quick", "--n", "11", "--integrator", "rk4", "--processes", "1")}
 READERS = {"accuracy": read_accuracy, "claims": read_claims, "limits": read_limits, "longruns": read_longruns,
-           "baseline": read_baseline, "scaling": read_scaling,
+           "practice": read_practice, "scaling": read_scaling,
            "theorem": lambda path: read_study(path, theorem_table.SCHEMA), "threads": read_threads,
            "turbulence": read_turbulence}
 # What is rendered of each alone, and the charts that it draws from so little.
 CHARTS = {"accuracy": ("error_against_time", "performance_profile", "time_against_n"), "claims": (),
           "fluid": ("energy_spectra",), "limits": (),
           "longruns": ("energy_against_cost", "energy_against_time", "spectrum_against_cost"),
-          "baseline": (), "scaling": (),
+          "practice": (), "scaling": (),
           "theorem": (), "turbulence": ()}
 STUDIES = {*studies.PACKAGES} - {"references", "tables"}
 NEEDS = {"claims": (shutil.which("octave-cli"), "needs GNU Octave"),
@@ -126,7 +126,7 @@ class Every(StudyTest):
                 self.assertEqual((done.returncode, done.stdout, done.stderr), (DONE, "", ""))
                 files = snapshot(out)
                 kept = {"report.md", "figures.json", *(["claims.json"] if name == "claims" else ()),
-                        *(["findings.json"] if name in ("accuracy", "baseline", "theorem", "turbulence")
+                        *(["findings.json"] if name in ("accuracy", "practice", "theorem", "turbulence")
                           else ()),
                         *(["fluid.png", "methods.png"] if name == "fluid" else ()),
                         *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))}
@@ -442,23 +442,23 @@ class Threads(StudyTest):
         self.assertEqual((found.settings.scene, found.settings.cores), ("rough", cores))
 
 
-class Baseline(StudyTest):
+class Practice(StudyTest):
     def test_methods_reach_the_wanted_errors(self):
-        found = self.found("baseline")
+        found = self.found("practice")
         self.assertEqual(set(found.problems), {("rough", 17), ("turbulence", 17)})
         for key, problem in found.problems.items():
             framed = "_frame" if problem.in_frame else ""
-            baseline = found.baseline(key)
+            practice = found.practice(key)
             self.assertEqual((problem.in_frame, problem.developed > 0), (key[0] == "rough", key[0] == "turbulence"))
-            self.assertLess(problem.difference, 1e-3 * baseline.error)
+            self.assertLess(problem.difference, 1e-3 * practice.error)
             for wanted, share in (("same", 1.0), ("tenth", 0.1)):
                 rows = found.methods(key, wanted)
                 self.assertEqual([row.integrator for row in rows], [f"rk8{framed}", *[f"elp4{framed}"] * 2])
                 for row in rows:
                     with self.subTest(key=key, row=row.form, wanted=wanted):
-                        self.assertLessEqual(row.error, share * baseline.error * 1.001)
+                        self.assertLessEqual(row.error, share * practice.error * 1.001)
                         self.assertEqual(len(row.cpu_seconds), 1)
-                        self.assertLess(row.steps, baseline.steps / 4)
+                        self.assertLess(row.steps, practice.steps / 4)
                 self.assertEqual(rows[1].steps, rows[2].steps)
         self.assertEqual({row.integrator for row in found.threads}, {"rk8_frame", "elp4_frame"} if len(
             os.sched_getaffinity(0)) > 1 else set())
@@ -496,7 +496,7 @@ class Refusals(StudyTest):
         "longruns": ((("--n", "21"), "--n 21", "17, 33, 65, 129"), (("--integrator", "euler"), "'euler'"),
                      (("--integrator", "group1"), "--integrator group1", "group2"),
                      (("--repetitions", "2"), "--repetitions"), (("--steps", "9"), "--steps")),
-        "baseline": ((("--n", "9"), "--n 9", "at least 11"), (("--integrator", "euler"), "'euler'", "rkmk4"),
+        "practice": ((("--n", "9"), "--n 9", "at least 11"), (("--integrator", "euler"), "'euler'", "rkmk4"),
                      (("--scene", "calm"), "calm", "turbulence"), (("--processes", "0"), "--processes"),
                      (("--n", "513", "--scene", "smooth"), "no problem"), (("--n", "1026"), "--n", "5 to 1025")),
         "references": ((("--integrator", "rk4"), "--integrator"), (("--n", "21", "--scene", "rough"), "no problem")),

@@ -135,4 +135,4 @@ class Comparison(NamedTuple):
 
 SCHEMA = Schema("accuracy", Settings, {"references": Reference, "rates": Rate, "integrators": Integrator,
                                        "lines": Line, "runs": Run, "tolerance_runs": Run, "comparisons": Comparison},
-                renamed={"comparisons": "comparisons", "candidate": "candidate"})
+                renamed={"duels": "comparisons", "contender": "candidate"})

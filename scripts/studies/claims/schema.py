@@ -102,7 +102,7 @@ class Rate(NamedTuple):
 SCHEMA = Schema("claims", Settings, {INTEGRATORS: Integrator, "octave": OctaveCell, "octave_pairs": OctavePair,
                                      "octave_products": OctaveProduct, "samples": SampleCell, "threads": ThreadCell,
                                      "rates": Rate},
-                later=(INTEGRATORS,), renamed={"sample": "sample", "samples": "samples"})
+                later=(INTEGRATORS,), renamed={"draw": "sample", "draws": "samples"})
 
 
 def read_claims(path, make=lambda study: study):

@@ -102,7 +102,7 @@ class TwoThreads(NamedTuple):
 
 SCHEMA = Schema("scaling", Settings, {INTEGRATORS: Integrator, "points": Point, "rates": Rate, "memory": Memory,
                                       "threads": TwoThreads}, later=(INTEGRATORS, "threads"),
-                renamed={"ablation": "ablation"})
+                renamed={"rung": "ablation"})
 
 
 # ---- ablations

@@ -14,7 +14,7 @@ from lib.records.formats import (CONVERGED, SWEEP_CAP, Integrator, Schema, keyed
                                  positive, status, text, whole)
 
 REFERENCE, FAR, METHOD, BASELINE = ROLES = ("reference", "far", "method", "baseline")
-EARLIER_ROLES = {"baseline": BASELINE}  # what older files call one
+EARLIER_ROLES = {"practice": BASELINE}  # what older files call one
 BASELINE_INTEGRATOR, BASELINE_SHARE = "algebra1", 0.25  # isospectral midpoint, h = ħ/4
 LOOSE = 1e-8
 BAND_ENDS = (2, 5, 10, 20, 40, 80, 160, 320, 640)  # largest degree l of each band
@@ -91,7 +91,7 @@ class Cost(NamedTuple):
 
 
 SCHEMA = Schema("turbulence", Settings, {"integrators": Integrator, "sizes": Size, "runs": RunRow, "costs": Cost},
-                renamed={"sample": "sample", "samples": "samples"})
+                renamed={"draw": "sample", "draws": "samples"})
 
 
 class Setting(NamedTuple):
