@@ -130,7 +130,7 @@ class SquaresTest(FolderTest):
         self.assertFalse(os.path.exists(self.path("raw.json.checkpoint")))
 
     def begun(self):
-        """Returns how often each job was begun, and each fresh process: once where it was disturbed and measured again."""
+        """Returns how often each job was begun, and each fresh process: once where it was measured again, disturbed."""
         numbers = text_of(self.log).split()
         return {number: 1 if number.startswith("process") else numbers.count(number) for number in numbers}
 
