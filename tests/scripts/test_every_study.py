@@ -426,7 +426,7 @@ class Claims(StudyTest):
         self.assertEqual((pair.row, pair.other, pair.stages), ("group", "algebra", 1))
         self.assertTrue(0 < pair.difference < claims.EQUAL)
         samples = {(cell.hbar, cell.sample) for cell in found.tables["samples"]}
-        self.assertEqual(len(samples), 2 * claims.QUICK_SAMPLES)
+        self.assertEqual(len(samples), 2 * claims.plan.QUICK_SAMPLES)
         self.assertEqual(found.settings.octave_kernels, found.context["blas_kernels"])
 
 
