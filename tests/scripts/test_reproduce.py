@@ -219,7 +219,7 @@ class ReproduceTest(CopyTest):
         shutil.copy(write_scaling(self.folder), self.path("scaling.json"))
         write_tables(self.path("scaling-rough.json"), "rough", points=[point("elp4_frame", 257)])
         write_threads(self.path("threads.json"), [of_threads(), of_threads(2)])
-        for name in ("accuracy", "theorem", "longruns", "turbulence", "practice", "claims"):  # not rendered
+        for name in ("accuracy", "theorem", "longruns", "turbulence", "fluid", "practice", "claims"):  # not rendered
             self.write(f"{name}.json", "{}")
 
     def prepare(self, program, raw):
@@ -399,7 +399,7 @@ class EndToEnd(ReproduceTest):
         for row in raw["benchmarks"]:
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
-        self.draws("accuracy", "limits", "longruns", "theorem", "claims", "turbulence", "practice")
+        self.draws("accuracy", "limits", "longruns", "theorem", "claims", "turbulence", "fluid", "practice")
         told = self.reproduced("all", "--quick").stderr.splitlines()
         self.assertIn(f"Job 2 of {len(STUDIES)}: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
@@ -407,7 +407,7 @@ class EndToEnd(ReproduceTest):
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
                                  "scaling": {*STUDY_RESULTS, "rough.json", "threads.json"}, "limits": STUDY_RESULTS,
                                  "accuracy": STUDY_RESULTS, "longruns": STUDY_RESULTS, "turbulence": STUDY_RESULTS,
-                                 "practice": STUDY_RESULTS,
+                                 "fluid": STUDY_RESULTS, "practice": STUDY_RESULTS,
                                  "claims": {*STUDY_RESULTS, "avx2.json", "claims.json"}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 
