@@ -9,7 +9,7 @@ from lib.pages.chart_panels import (DOTS_PER_INCH, KEEPING, draw_line, label_end
 from lib.records.integrators import name_with_order
 from studies.fluid.schema import COLUMNS, ROWS, SCALE
 
-INCHES = 4.1, 2.3  # of one sphere
+INCHES = 3.2, 1.8  # of one sphere
 COLOURS, START_COLOUR = "RdBu_r", "0.55"
 
 

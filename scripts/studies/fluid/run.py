@@ -20,7 +20,7 @@ from studies.turbulence.plan import sizes_of, with_new
 from studies.turbulence.single_runs import drawn_scene
 
 SIZE, QUICK_SIZE, SAMPLE = 129, 33, 0
-TIME, QUICK_TIME = 1000.0, 60.0
+TIME, QUICK_TIME = 999.0, 60.0  # a whole number of steps of each
 STEPS = {"rk4": 0.25, "rk8": 0.75, "elp4": 0.5}  # at n = SIZE; elsewhere as many times longer as n is smaller
 TOLERANCE = 1e-8
 DIGITS = 5
