@@ -106,7 +106,9 @@ class Recorded(FolderTest):
         if listed.returncode != 0:
             self.skipTest("not a checkout")
         files = [name for name in listed.stdout.split("\0") if name]
-        self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "in", "json", "md", "npy", "svg"})
+        self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "in", "json", "md", "npy", "png", "svg"})
+        self.assertEqual({name for name in files if name.endswith(".png")},
+                         {f"results/recorded/fluid/{name}.png" for name in ("fluid", "methods")})  # maps: large as SVG
         self.assertLess(sum(os.path.getsize(os.path.join(ROOT, name)) for name in files), MAX_BYTES)
 
 
