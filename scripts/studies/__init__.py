@@ -81,7 +81,7 @@ STUDIES = (
           of_one_part("theorem", "Comparing the formulations on every algebra")),
     Study("turbulence", "what long turbulent runs average to, and at what cost", 40, 0.5,
           of_one_part("turbulence", "Running turbulence, and timing its steps")),
-    Study("fluid", "what one turbulent flow looks like, and what methods lose of it", 5, 0.5,
+    Study("fluid", "what one turbulent flow looks like, and what methods lose of it", 1, 0.5,
           of_one_part("fluid", "Running one turbulent flow")),
     Study("practice", "what people run, the midpoint at h = ħ/4, against what reaches a tenth of its error for less;"
           " with QUFLOW=FOLDER, a checkout, also quflow's own step", 100, 2,
