@@ -6,9 +6,9 @@
 #include <fstream>
 #include <streambuf>
 
-#include "benchmarks/integrate/hash.h"
 #include "benchmarks/integrate/whole_file.h"
 #include "benchmarks/program.h"
+#include "isosyrk/linalg/byte_hash.h"
 
 namespace isosyrk {
 namespace {

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "benchmarks/conditions.h"
-#include "benchmarks/integrate/hash.h"
 #include "benchmarks/integrate/integrate_arguments.h"
 #include "benchmarks/integrate/interruption.h"
 #include "benchmarks/integrate/progress_line.h"
@@ -17,6 +16,7 @@
 #include "benchmarks/npy_file.h"
 #include "benchmarks/output_file.h"
 #include "isosyrk/catalogue/measured_limits.h"
+#include "isosyrk/linalg/byte_hash.h"
 #include "isosyrk/machine/clocks.h"
 #include "isosyrk/machine/memory.h"
 #include "isosyrk/scenes/euler_zeitlin_scenes.h"

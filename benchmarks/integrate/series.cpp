@@ -9,8 +9,8 @@
 #include <cstring>
 #include <fstream>
 
-#include "benchmarks/integrate/hash.h"
 #include "benchmarks/program.h"
+#include "isosyrk/linalg/byte_hash.h"
 
 namespace isosyrk {
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "isosyrk/flows/harmonic.h"
+#include "isosyrk/linalg/byte_hash.h"
 #include "isosyrk/linalg/spectrum.h"
 #include "isosyrk/scenes/normal_numbers.h"
 
@@ -99,14 +100,11 @@ Matrix vorticity_from_modes(const std::vector<Mode>& modes, Index n) {
 }
 
 std::string hash_of(const std::vector<Mode>& modes) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
+  std::uint64_t hash = hash_of_nothing;
   for (const Mode& mode : modes) {
     const std::string line =
         fmt::format("{},{},{},{}\n", mode.l, mode.m, mode.value.real(), mode.value.imag());
-    for (const char c : line) {
-      hash ^= static_cast<unsigned char>(c);
-      hash *= 0x100000001b3U;
-    }
+    hash = hash_after(hash, line.data(), line.size());
   }
   return fmt::format("{:016x}", hash);
 }

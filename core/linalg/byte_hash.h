@@ -1,4 +1,4 @@
-// A hash by which a damaged or exchanged file is recognised: FNV-1a with 64 bits.
+// A hash by which other data, or a damaged file, are recognised: FNV-1a with 64 bits.
 #pragma once
 
 #include <cstddef>
