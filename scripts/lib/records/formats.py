@@ -227,7 +227,6 @@ class Schema(NamedTuple):
     tables: Dict[str, type]
     later: Tuple[str, ...] = ()  # tables that older files do not have; they are read as empty, or of LISTED
     renamed: Dict[str, str] = {}  # names of tables and columns in older files, and what they are called now
-    renamed: Dict[str, str] = {}  # names of tables and columns in older files, and what they are called now
 
 
 @dataclass(frozen=True)

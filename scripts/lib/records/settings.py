@@ -31,7 +31,7 @@ class Problem(NamedTuple):
 def keeps(integrator, tolerance, structure):
     """Tells whether an Integrator keeps a structure at a tolerance."""
     maximum = {"nothing": math.inf, "spectrum": math.inf if integrator.spectrum_at_any_tolerance else TIGHT,
-            "poisson": ENERGY_BOUNDED}
+               "poisson": ENERGY_BOUNDED}
     return integrator.keeps(structure) and tolerance <= maximum[structure]
 
 

@@ -86,9 +86,10 @@ class Checkpoint:
 def text_of_studies():
     """Returns a hash of the modules that studies are made of. The commit does not tell them: it is the build's."""
     found = hashlib.sha256()
-    for path in sorted(glob.glob(os.path.join(ROOT, "scripts", "**", "*.py"), recursive=True)):
-        with open(path, "rb") as file:
-            found.update(file.read())
+    for folder in ("lib", "studies"):
+        for path in sorted(glob.glob(os.path.join(ROOT, "scripts", folder, "**", "*.py"), recursive=True)):
+            with open(path, "rb") as file:
+                found.update(file.read())
     return found.hexdigest()
 
 

@@ -36,9 +36,9 @@ def vorticity_of(W):
     return isosyrk.vorticity(W, math.pi * cells(ROWS), 2 * math.pi * cells(COLUMNS))
 
 
-def state_of(scene, W):
-    """Returns the fields of a Start."""
-    shares = SCALE * vorticity_of(W) / largest_of(scene)
+def state_of(W, largest):
+    """Returns the fields of a Start, given the largest |ω| at the start."""
+    shares = SCALE * vorticity_of(W) / largest
     return {"energies": [to_digits(each, DIGITS) for each in isosyrk.energy_spectrum(W)[1:].tolist()],
             "vorticity": numpy.rint(shares).astype(int).ravel().tolist()}
 
@@ -64,7 +64,7 @@ def end_of(job):
              "enstrophy": float(numpy.linalg.norm(W) / numpy.linalg.norm(initial)) ** 2,
              "spectrum_error": isosyrk.spectrum_error(W, initial)}
     return {**{name: job[name] for name in ("integrator", "step", "tolerance")},
-            **{name: to_digits(value, DIGITS) for name, value in found.items()}, **state_of(scene, W)}
+            **{name: to_digits(value, DIGITS) for name, value in found.items()}, **state_of(W, largest_of(scene))}
 
 
 def jobs_of(n, time, names):
@@ -86,7 +86,8 @@ def main(arguments):
     checkpoint = Checkpoint("fluid", options, partial(isosyrk.conditions, sizes=[n]))
     ends = untimed.results(jobs, end_of, checkpoint, options, "runs")
     scene = drawn_scene(n, SAMPLE)
-    formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(n, SAMPLE, largest_of(scene)), {
+    largest = largest_of(scene)
+    formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(n, SAMPLE, largest), {
         INTEGRATORS: built.entries([job["integrator"] for job in jobs]),
-        "starts": [Start(**state_of(scene, scene.initial))], "ends": [End(**each) for each in ends if each]})
+        "starts": [Start(**state_of(scene.initial, largest))], "ends": [End(**each) for each in ends if each]})
     checkpoint.remove()

@@ -9,6 +9,7 @@ from lib.records.integrators import chosen
 from lib.records.settings import ENERGY_BOUNDED, LOOSE, MATCHED, TIGHT
 from lib.running import built
 from studies.practice.schema import BASELINE_SHARE, ROUGH, SMOOTH, TURBULENCE
+from studies.turbulence.plan import sizes_of
 
 # The names are keys of the plan: methods that the studies accuracy and turbulence found to be the cheapest of their
 # class, or that people ask for. A method of a new family is tried besides.
@@ -19,7 +20,7 @@ SIZES, QUICK_SIZES = (129, 257, 513, 1025), (33,)
 SCENE_SIZES = {SMOOTH: 257, ROUGH: 1025, TURBULENCE: 513}  # the largest n of each scene
 SMALL, MIDDLE = 257, 513  # the largest n with times of 2, and of 0.5
 TIMES = ((SMALL, 2.0), (MIDDLE, 0.5), (math.inf, 0.25))  # T, up to an n
-DEGREES, SAMPLE = range(6, 11), 0  # of the modes of turbulence, as in the study turbulence; the same sample at every n
+SAMPLE = 0  # of the study turbulence, the same at every n
 
 # Turbulence is developed by this method and step until degrees of at least TAIL_FROM (n - 1) have so much of the
 # enstrophy: about what they have in the rough scene, where E(l) falls as l⁻³. It is looked at every TAIL_LOOK.
@@ -61,10 +62,7 @@ def problems_of(sizes, scenes):
 
     Throws Stop for an n that is too small for the modes of turbulence, and where nothing is left.
     """
-    for n in sizes:
-        if n <= DEGREES[-1]:
-            raise Stop(f"--n {n}: must be at least {DEGREES[-1] + 1}, for modes up to l = {DEGREES[-1]}")
-    found = [{"scene": scene, "n": n, "time": up_to(TIMES, n)} for n in sorted(set(sizes)) for scene in scenes
+    found = [{"scene": scene, "n": n, "time": up_to(TIMES, n)} for n in sizes_of(sizes) for scene in scenes
              if n <= SCENE_SIZES[scene]]
     if not found:
         raise Stop("no problem has this scene and n")

@@ -24,6 +24,7 @@ from studies.practice.schema import (AT_PRACTICE, BASELINE_INTEGRATOR, BASELINE_
                                      SCHEMA, Problem, Row, Settings, ThreadRow)
 from studies.practice.single_runs import INITIAL, REFERENCE, rounded
 from studies.threads.plan import affordable
+from studies.turbulence.single_runs import DEGREES
 
 SECOND = "second_reference"
 DIGITS = 4  # of times
@@ -148,8 +149,8 @@ def states_of(options):
 
 
 def settings_of(options, cores):
-    return Settings(quick=options.quick, quflow=options.quflow, cores=cores, lowest_degree=plan.DEGREES[0],
-                    highest_degree=plan.DEGREES[-1], sample=plan.SAMPLE, tail_from=plan.TAIL_FROM,
+    return Settings(quick=options.quick, quflow=options.quflow, cores=cores, lowest_degree=DEGREES[0],
+                    highest_degree=DEGREES[-1], sample=plan.SAMPLE, tail_from=plan.TAIL_FROM,
                     tail_share=plan.TAIL_SHARE, largest_whole=plan.LARGEST_WHOLE, places=plan.PLACES)
 
 

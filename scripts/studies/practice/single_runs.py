@@ -20,13 +20,12 @@ from lib.programs.output import replace_file
 from lib.records.formats import CONVERGED, FAST, UNSTABLE, to_digits
 from lib.records.settings import TIGHT
 from lib.running import built, trials
-from lib.running.initial_states import modes_of_sizes
 from studies.accuracy.comparisons import MORE, TOO_MUCH, fewest_steps, is_reached
 from studies.practice import plan, quflow_step
 from studies.practice.schema import (AT_PRACTICE, AT_TENTH, BASELINE_INTEGRATOR, BASELINE_TOLERANCE, METHOD, PRACTICE,
                                      QUFLOW, TENTH, TURBULENCE)
+from studies.turbulence.single_runs import drawn_scene
 
-SEED = 33  # of turbulence, before the number of a sample: as in the study turbulence
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: a run that lost so much is unstable
 DIGITS = 4  # of what is recorded
 
@@ -78,12 +77,8 @@ def begin(job):
 
 
 def develop(n):
-    """Returns drawn turbulence when it has filled the tail of E(l), and the time that this took.
-
-    The data are those of the study turbulence: ‖W‖₂ = 1, complex coefficients of equal variance.
-    """
-    modes = modes_of_sizes(dict.fromkeys(plan.DEGREES, 1.0), (SEED, plan.SAMPLE))
-    scene = isosyrk.scene("drawn", n=n, modes=modes)
+    """Returns a sample of the study turbulence when it has filled the tail of E(l), and the time that this took."""
+    scene = drawn_scene(n, plan.SAMPLE)
     method = isosyrk.integrator(scene, plan.DEVELOPING, solver=FAST)
     steps, every = (round(time / plan.DEVELOPING_STEP) for time in (plan.MAX_DEVELOPING, plan.TAIL_LOOK))
     W, report = method.run(scene.initial, plan.DEVELOPING_STEP, steps,
