@@ -123,11 +123,16 @@ begin_lock() {
 # by a line that is rewritten, elsewhere by one every 20 seconds. If this script is killed, nobody reads what the
 # command says, and it ends.
 followed() {
-  local log=$1 output line percent next=$((SECONDS + 20)) terminal=no status=0
+  local log=$1 pipe=$1.pipe output line percent next=$((SECONDS + 20)) terminal=no status=0
   shift
   [ ! -t 2 ] || terminal=yes
-  exec {output}< <(for lock in "${LOCKS[@]}"; do exec {lock}<&-; done; exec "$@" 2>&1)
+  # A named pipe and a job of its own: bash can lose the status of <(COMMAND), where a command is short.
+  rm -f "$pipe"
+  mkfifo "$pipe" || return
+  (for lock in "${LOCKS[@]}"; do exec {lock}<&-; done; exec "$@") >"$pipe" 2>&1 &
   child=$!
+  exec {output}<"$pipe"
+  rm "$pipe"
   while IFS= read -r line <&"$output"; do
     printf '%s\n' "$line" >>"$log"
     [[ $line =~ ^\[\ *([0-9]+)(%|/([0-9]+))\] ]] || continue  # of make or of Ninja
