@@ -244,6 +244,12 @@ class Runs(FolderTest):
         with mock.patch.object(plan, "MAX_DEVELOPING", 0.5):
             self.assertLess(single_runs.begin(self.job("turbulence", n=33))["tail"], 1e-6)
 
+    def test_turbulence_that_diverges_ends_the_study(self):
+        with mock.patch.multiple(plan, MAX_DEVELOPING_STEP=1e4, DEVELOPING_STEP_BY_N=1e9, TAIL_LOOK=1e4,
+                                 MAX_DEVELOPING=4e4):
+            with self.assertRaisesRegex(Stop, "turbulence at n = 17 did not develop: diverged"):
+                single_runs.begin(self.job("turbulence"))
+
     def test_states_that_are_gone_or_changed_are_told(self):
         job = self.job()
         states = single_runs.begin(job)["states"]

@@ -23,8 +23,10 @@ TIMES = ((SMALL, 2.0), (MIDDLE, 0.5), (math.inf, 0.25))  # T, up to an n
 SAMPLE = 0  # of the study turbulence, the same at every n
 
 # Turbulence is developed by this method and step until degrees of at least TAIL_FROM (n - 1) have so much of the
-# enstrophy: about what they have in the rough scene, where E(l) falls as l⁻³. It is looked at every TAIL_LOOK.
-DEVELOPING, DEVELOPING_STEP, TAIL_LOOK, MAX_DEVELOPING = "rk8", 0.5, 2.0, 400.0
+# enstrophy: about what they have in the rough scene, where E(l) falls as l⁻³. It is looked at every TAIL_LOOK. What
+# step is stable falls as 1/n: 0.5 diverges at n = 513.
+DEVELOPING, MAX_DEVELOPING_STEP, DEVELOPING_STEP_BY_N = "rk8", 0.5, 96.0
+TAIL_LOOK, MAX_DEVELOPING = 2.0, 400.0
 TAIL_FROM, TAIL_SHARE = 0.9, 0.02
 
 FRAME_GAIN = 0.99  # methods run in the co-rotating frame where ‖ad_B‖₂ is at most so many times that without it
@@ -67,6 +69,11 @@ def problems_of(sizes, scenes):
     if not found:
         raise Stop("no problem has this scene and n")
     return found
+
+
+def steps_a_look(n):
+    """Returns the number of steps between two looks at turbulence that develops."""
+    return math.ceil(TAIL_LOOK / min(MAX_DEVELOPING_STEP, DEVELOPING_STEP_BY_N / n))
 
 
 def practice_steps(problem):

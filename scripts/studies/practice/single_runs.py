@@ -80,10 +80,14 @@ def develop(n):
     """Returns a sample of the study turbulence when it has filled the tail of E(l), and the time that this took."""
     scene = drawn_scene(n, plan.SAMPLE)
     method = isosyrk.integrator(scene, plan.DEVELOPING, solver=FAST)
-    steps, every = (round(time / plan.DEVELOPING_STEP) for time in (plan.MAX_DEVELOPING, plan.TAIL_LOOK))
-    W, report = method.run(scene.initial, plan.DEVELOPING_STEP, steps,
-                           lambda _step, W, _report: tail_of(W) >= plan.TAIL_SHARE, every)
-    return W, report.steps * plan.DEVELOPING_STEP
+    every = plan.steps_a_look(n)
+    step = plan.TAIL_LOOK / every
+    try:
+        W, report = method.run(scene.initial, step, round(plan.MAX_DEVELOPING / step),
+                               lambda _step, W, _report: tail_of(W) >= plan.TAIL_SHARE, every)
+    except isosyrk.SolverError as error:
+        raise Stop(f"turbulence at n = {n} did not develop: {error}") from error
+    return W, rounded(report.steps * step)
 
 
 def tail_of(W):
