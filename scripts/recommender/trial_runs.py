@@ -17,6 +17,7 @@ import numpy
 
 from lib.programs.command_line import number, whole_number
 from lib.programs.messages import UnusableFile, one_line
+from lib.pages.integrate_line import Start
 from lib.records.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.records.settings import TIGHT
 from lib.running import built
@@ -284,5 +285,5 @@ def answer(options):
     arguments = ["--initial" if option == "--state" else option, value]
     if options.hbar == "standard":
         arguments += ["--hbar", options.hbar]
-    return answer_data(search, " within the budget" if search.spent else "", arguments,
+    return answer_data(search, " within the budget" if search.spent else "", Start(tuple(arguments)),
                        {"measured": f"here, {len(search.trials)} trials"})

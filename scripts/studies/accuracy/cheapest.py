@@ -19,8 +19,9 @@ from lib.programs.messages import one_line
 from lib.programs.places import MODULE
 from lib.records.formats import FAST, Integrator
 from lib.records.integrators import IMPLICIT_EXPONENTIAL, KEPT, MAGNUS, strongest_structure
-from lib.records.settings import ENERGY_BOUNDED, SCENES, TIGHT, Problem, keeps
+from lib.records.settings import ENERGY_BOUNDED, TIGHT, Problem, keeps
 from lib.pages.document import Column, Items, Paragraph, plain_table
+from lib.pages.integrate_line import integrate_line, start_of
 from lib.pages.numbers import MISSING, three_digits
 from studies.accuracy.lines import NEAR_ROUNDING, interpolated
 from studies.accuracy.schema import TABLE_EXPONENTS, Form
@@ -349,13 +350,9 @@ def answer(study, question, path, rates_here=lambda sizes: None, limits=None):
     around = neighbours(study.rates, question.n) if study.rates else {}
     here = rates_here(around) if around else None
     speedup = here and blend(around.values(), [rate / study.rates[n].fast for rate, n in zip(here, around)])
-    scene, first = ["--scene", question.scene], ""
-    if question.scene == SCENES[2]:
-        scene = ["--initial", f"developed_n{question.n}.npy"]
-        first = (f"{integrate()} --n {question.n} --scene smooth --integrator group5 --solver fast --step 0.05"
-                 f" --time 100 --output {scene[1]} && ")
+    start = start_of(question.scene, question.n, integrate())
     source = {"raw": one_line(path), **{name: study.context.get(name) for name in ("cpu", "commit", "dirty")}}
-    return answer_data(recorded, f" with a margin of {recorded.margin:g}", scene, source, speedup, first)
+    return answer_data(recorded, f" with a margin of {recorded.margin:g}", start, source, speedup)
 
 
 # ---- the answer
@@ -367,12 +364,11 @@ def integrate():
     return shlex.quote(min(os.path.relpath(path), path, key=len))
 
 
-def answer_data(search, how, scene_arguments, source, speedup=None, first=""):
+def answer_data(search, how, start, source, speedup=None):
     """Returns the answer for programs, as what JSON can hold: of a question, from recorded runs or from trials.
 
-    Throws Stop if nothing reaches the error; `how` says how it was to be reached. `scene_arguments` are those of the
-    program `integrate`, and `first` what is to be run before it. `speedup` is that of this machine against the one of
-    the seconds, None if not known.
+    Throws Stop if nothing reaches the error; `how` says how it was to be reached. `start` is the Start that commands
+    name. `speedup` is that of this machine against the one of the seconds, None if not known.
     """
     question, offers = search.question, search.ranking()[:MAX_OFFERED]
     if not offers or offers[0].error > question.error:
@@ -387,12 +383,10 @@ def answer_data(search, how, scene_arguments, source, speedup=None, first=""):
         row = offer.row()
         del row["status"]
         expected = row.pop("error")
-        tolerance = [] if offer.tolerance == TIGHT else ["--tolerance", repr(offer.tolerance)]
         return {**row, "solver": FAST, "expected_error": expected, "seconds": offer.seconds / (speedup or 1.0) + COLD,
                 "seconds_recorded": offer.seconds,
-                "command": f"{first}{integrate()} --n {offer.n} {shlex.join([*scene_arguments, *tolerance])}"
-                           f" --integrator {offer.integrator.name} --solver {FAST} --step {offer.step!r}"
-                           f" --time {offer.time!r}"}
+                "command": integrate_line(start, offer.n, offer.integrator.name, offer.step, offer.time,
+                                          offer.tolerance, program=integrate())}
 
     winner, *others = offers
     return {**offered(winner), "question": question._asdict(),
