@@ -26,7 +26,7 @@ import csv
 import math
 import os
 from dataclasses import dataclass, field
-from typing import List, NamedTuple, Optional
+from typing import Dict, List, NamedTuple, Optional
 
 from lib.programs.messages import one_line
 from lib.records.formats import CONVERGED
@@ -72,6 +72,7 @@ class Layer:
     checks: List[Check] = field(default_factory=list)
     not_judged: Optional[str] = None
     notes: List[str] = field(default_factory=list)
+    pairs: Dict[str, List[float]] = field(default_factory=dict)  # of times: ratios of each cell, launch by launch
 
     def add(self, cell, quantity, found, allowed, passed):
         self.checks.append(Check(cell, quantity, str(found), str(allowed), bool(passed)))

@@ -119,7 +119,7 @@ def runs_in_a_block(server, cell):
 def judge_times(base, head, cells):
     """Times these cells, and those that seem slower once more: a cell is slower if it was both times."""
     layer = Layer("timing")
-    first = time_cells(base, head, cells)
+    layer.pairs = first = time_cells(base, head, cells)
     suspects = [cell for cell in cells if is_slower(first[cell])]
     again = time_cells(base, head, suspects) if suspects else {}
     for cell, ratios in {**first, **again}.items():

@@ -264,6 +264,36 @@ class Base(GateTest):
             self.assertEqual([call for call in calls if not call.endswith(ran)], [])
 
 
+class History(GateTest):
+    def test_a_run_appends_its_ratios(self):
+        path = self.path("history.jsonl")
+        for runs in (1, 2):
+            done = self.check("--quick", "--history", path, FACTOR="1.02")
+            self.assertEqual(done.returncode, DONE, done.stderr)
+            lines = [strict_json(line) for line in text_of(path).splitlines()]
+            self.assertEqual(len(lines), runs)
+        self.assertEqual((lines[1]["program"], len(lines[1]["ratios"])), ("check_regression", 12))
+        for each in lines[1]["ratios"]:
+            self.assertAlmostEqual(each["ratio"], 1.02, places=5)
+            self.assertLessEqual(each["low"], each["ratio"])
+        self.assertIn("OpenBLAS Zen, split products avx2", lines[1]["kernels"])
+
+    def test_one_that_cannot_be_used_is_refused_before_anything_is_built(self):
+        path = self.write("damaged", "{}\n")
+        self.refuses(["--quick", "--history", path], path, "line 1")
+        self.refuses(["--quick", "--history", self.path("none", "history")], "--history", "cannot be written")
+        for option in ("--no-timing", "--update-baseline"):
+            self.refuses([option, "--history", path], "--history" if option == "--no-timing" else option)
+        self.assertEqual((self.calls(), text_of(path)), ([], "{}\n"))
+
+    def test_times_that_were_not_judged_are_not_appended(self):
+        shutil.move(os.path.join(self.root, ".git"), self.path("whole.git"))
+        done = self.check("--quick", "--history", self.path("history.jsonl"))
+        self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
+        self.assertIn("nothing is appended, as no times were judged: this tree is no git", done.stderr.splitlines()[-1])
+        self.assertFalse(os.path.exists(self.path("history.jsonl")))
+
+
 class BadInput(GateTest):
     def test_arguments(self):
         for arguments, part in ((["--fast"], "--fast"), (["--update-baseline", "--quick"], "--update-baseline"),
