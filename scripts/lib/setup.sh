@@ -9,9 +9,13 @@ STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-scipy python3-mat
                 python3-distributed)
 # What the study of the paper's claims needs besides: the paper's language but for the name.
 CLAIMS_PACKAGES=(octave)
+# What the page to open, report.html, is made with. A run succeeds without them, and says that there is no page.
+PAGE_PACKAGES=(python3-plotly python3-jinja2 python3-markdown python3-matplotlib)
 # What the tests need besides: the module is installed by pip, pages are rendered, and hypothesis draws the inputs of
 # property tests.
-TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel python3-jinja2 python3-hypothesis)
+TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel python3-hypothesis "${PAGE_PACKAGES[@]}")
+# What the test of the page in a browser needs; Ubuntu has no such package, and there the test is skipped.
+BROWSER_PACKAGES=(chromium)
 # What looking for data races needs besides.
 CLANG_PACKAGES=(clang libomp-dev)
 # The runtime of its sanitizers, which Ubuntu 22.04 (jammy) has in another package that clang depends on.
@@ -26,9 +30,10 @@ die() {  # die CODE MESSAGE
   exit "$1"
 }
 
+# missing_packages PACKAGE ...: those that are not installed.
 missing_packages() {
   local package
-  for package in "${PACKAGES[@]}"; do
+  for package in "$@"; do
     dpkg-query --show --showformat='${Status}\n' "$package" 2>/dev/null |
       grep -q '^install ok installed$' || printf '%s\n' "$package"
   done
@@ -48,21 +53,38 @@ install_packages() {
   command -v dpkg-query >/dev/null ||
     die 2 "needs a Debian or Ubuntu machine (no dpkg-query here); install by hand: ${PACKAGES[*]}"
   local missing absent
-  mapfile -t missing < <(missing_packages)
+  mapfile -t missing < <(missing_packages "${PACKAGES[@]}")
   [ "${#missing[@]}" -eq 0 ] && return 0
   [ "$1" = yes ] || die 2 "missing packages, not installed because of --no-install: ${missing[*]}"
-  local as_root=(env DEBIAN_FRONTEND=noninteractive)
-  if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null ||
-      die 2 "missing packages, and neither root nor sudo to install them: ${missing[*]}"
-    as_root=(sudo "${as_root[@]}")  # sudo would not pass the environment on
-  fi
+  become_root || die 2 "missing packages, and neither root nor sudo to install them: ${missing[*]}"
   say "Installing: ${missing[*]}"
   "${as_root[@]}" apt-get update -qq >&2 || die 2 "apt-get update failed"
   mapfile -t absent < <(absent_packages "${missing[@]}")
   [ "${#absent[@]}" -eq 0 ] || die 2 "no package of this release: ${absent[*]}${2:+; $2}"
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2 ||
     die 2 "apt-get install failed for: ${missing[*]}"
+}
+
+# become_root [OPTION_OF_SUDO]: sets as_root, what a command of root begins with. Status 1 if there is no way.
+become_root() {
+  as_root=(env DEBIAN_FRONTEND=noninteractive)
+  [ "$(id -u)" -ne 0 ] || return 0
+  as_root=(sudo "$@" "${as_root[@]}")  # sudo would not pass the environment on
+  command -v sudo >/dev/null
+}
+
+# install_optional yes|no PACKAGE ...: installs what is missing of packages that a script can do without, where that is
+# wanted, asks for no password, and this release has them all. What lacks them says so itself.
+install_optional() {
+  local wanted=$1 missing absent
+  shift
+  mapfile -t missing < <(missing_packages "$@")
+  if [ "$wanted" != yes ] || [ "${#missing[@]}" -eq 0 ] || ! become_root --non-interactive; then return 0; fi
+  "${as_root[@]}" apt-get update -qq >&2 || return 0
+  mapfile -t absent < <(absent_packages "${missing[@]}")
+  [ "${#absent[@]}" -eq 0 ] || return 0
+  say "Installing: ${missing[*]}"
+  "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2 || true
 }
 
 # has_avx512: tells whether this processor has the units. grep reads all: with -q it may end before lscpu, whose broken

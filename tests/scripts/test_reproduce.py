@@ -25,8 +25,9 @@ from threads_documents import write_threads
 from studies import STUDIES
 
 HOST_NAME = "a-host-to-keep-private"
-RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
-STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
+PAGE = "report.html"
+RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json", PAGE}
+STUDY_RESULTS = {"raw.json", "report.md", "figures.json", PAGE}
 TABLE_PROGRAMS = "build/benchmarks/table1", "build/benchmarks/table2", "build-avx2/benchmarks/table2"
 BUILDS = ("build", "build-sanitize", "build-threads", "build-x86-64", "build-x86-64-v3", "build-x86-64-v3-sanitize")
 CORES = len(os.sched_getaffinity(0))
@@ -118,6 +119,21 @@ if what == "wait":
     time.sleep(600)
 sys.exit(int(os.environ.get("BENCHMARK_STATUS", "0")))
 """ % sys.executable
+
+# scripts/page, since it takes seconds: writes down how it was called, and one word; or $PAGE is what becomes of it.
+PAGED = """#!/bin/sh
+echo "page[] $*" >>"$CALLS"
+while [ $# -gt 0 ]; do
+  case $1 in --out) out=$2 ;; esac
+  shift
+done
+case $PAGE in
+  none) echo "page: no report.html: no Python with plotly found" >&2 ;;
+  wait) echo started >>"$CALLS"; exec sleep 600 ;;
+  fail) echo "page: $out/raw.json: is wrong" >&2; exit 2 ;;
+  *) mkdir -p "$out" && echo drawn >"$out/report.html" ;;
+esac
+"""
 
 # scripts/render, but for some studies, since drawing takes seconds: for them it does what is said at the end.
 RENDERED = """#!/bin/sh
@@ -213,6 +229,7 @@ class ReproduceTest(CopyTest):
         for program in TABLE_PROGRAMS:
             self.write(f"root/{program}", TABLE_PROGRAM, executable=True)
         self.stand_in("measure", MEASURED)
+        self.stand_in("page", PAGED)
         self.prepare("table1", one_process())
         self.prepare("table2", one_process(tables=("table2", "table1")))
         write_limits(self.folder, limits_study())
@@ -268,7 +285,10 @@ class Arguments(CopyTest):
         for arguments, *parts in ((["table1", "all"], "all"), (["--out"], "--out"), (["--out", ""], "--out"),
                                   (["--out", "--quick"], "--out"), (["--out", path], "--out", path),
                                   (["--out", os.path.join(path, "results")], "--out", path),
-                                  (["--out", "/proc/results"], "--out", "/proc/results")):  # where nobody may write
+                                  (["--out", "/proc/results"], "--out", "/proc/results"),  # where nobody may write
+                                  (["--history"], "--history"), (["limits", "--history", "x"], "--history", "table1"),
+                                  (["all", "--history", "x"], "--history"), (["report", "--quick"], "--quick"),
+                                  (["report", "--machine", "native"], "--machine")):
             self.refuses("reproduce", arguments, *parts)
         for argument in ("all", "--sanitise"):
             self.refuses("test", ["--sanitize", argument], argument, "--sanitize", "--no-install", MISSING="cmake")
@@ -282,7 +302,7 @@ class Arguments(CopyTest):
 
     def test_help_explains_the_options(self):
         for script, *options in (("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype",
-                                  "--machine"),
+                                  "--machine", "report ", "--history"),
                                  ("test", "--sanitize", "--machine", "x86-64-v3", "--no-install", "--keep-coretype")):
             with self.unchanged():
                 done = self.script(script, "--help")
@@ -382,7 +402,8 @@ class EndToEnd(ReproduceTest):
         # On one screen: the table, then where it is.
         screen = run(self.line("reproduce", "--quick", "--out", self.out), env=self.surroundings(), cwd=self.folder,
                      stderr=subprocess.STDOUT).stdout
-        self.assertTrue(screen.endswith(f"{results['table.txt'].splitlines()[-1]}\nResults are in {self.out}\n"))
+        self.assertTrue(screen.endswith(f"{results['table.txt'].splitlines()[-1]}\nResults are in {self.out}\n"
+                                        f"The page to open: {self.out}/{PAGE}\n"))
         configure, build = self.calls("cmake")[:2]
         for part in (f"-S {self.path('root')}", "-DCMAKE_BUILD_TYPE=Release"):
             self.assertIn(part, configure)
@@ -465,6 +486,79 @@ class EndToEnd(ReproduceTest):
         self.assertEqual(set(filters), {"17", "33", "65", "129"})
         self.assertGreaterEqual(min(map(filters.count, filters)), 6)
         self.assertTrue(all(call.endswith(" on 1 cores") for call in self.calls("table1")))
+
+
+class PageToOpen(ReproduceTest):
+    """Whatever becomes of the page, results are there; and none of an earlier run stands beside them."""
+
+    def test_it_is_made_of_this_run_and_named_last(self):
+        done = self.reproduced("limits")
+        self.assertEqual(done.stderr.splitlines()[-1], f"The page to open: {self.out}/{PAGE}")
+        self.assertEqual(self.calls("page["),
+                         [f"page[] --out {self.out} --study limits --results {self.out} --optional"])
+
+    def test_without_one_the_run_succeeds_and_says_so(self):
+        self.write(f"out/{PAGE}", "of an earlier run")
+        done = self.reproduce("--quick", PAGE="none")
+        self.assertEqual((done.returncode, set(os.listdir(self.out))), (DONE, RESULTS - {PAGE}), done.stderr)
+        self.assertEqual(done.stderr.splitlines()[-1], "page: no report.html: no Python with plotly found")
+
+    def test_one_that_fails_costs_no_result(self):
+        done = self.reproduce("--quick", PAGE="fail")
+        self.assertEqual((done.returncode, set(os.listdir(self.out))), (BAD_ARGUMENTS, RESULTS - {PAGE}))
+        self.assertIn("is wrong", done.stderr.splitlines()[-1])
+        done = self.reproduce("--quick", PAGE="fail", BENCHMARK_STATUS="3")
+        self.assertEqual(done.returncode, SOLVER_FAILED)
+
+    def test_of_all_recorded_runs_nothing_is_built_or_measured(self):
+        done = self.reproduced("report")
+        self.assertEqual((os.listdir(self.out), done.stdout), ([PAGE], ""))
+        self.assertEqual(done.stderr, f"The page to open: {self.out}/{PAGE}\n")
+        self.assertEqual(self.calls(), [f"page[] --out {self.out}"])
+        self.assertEqual(self.script("reproduce", "report").returncode, DONE)
+        self.assertEqual(os.listdir(self.path("root", "results", "latest", "report")), [PAGE])
+        self.assertEqual(self.reproduce("report", PAGE="fail").returncode, BAD_ARGUMENTS)
+
+    def test_what_it_needs_is_installed_where_that_can_be(self):
+        done = self.reproduce("--quick", MISSING="python3-plotly")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertIn("python3-plotly", self.calls("apt-get")[-1])
+        for changes in ({"ABSENT": "python3-plotly"}, {"FAILING": "apt-get"}):
+            self.assertEqual(self.reproduce("--quick", MISSING="python3-plotly", **changes).returncode, DONE)
+        self.write("calls", "")
+        self.assertEqual(self.reproduce("--quick", "--no-install", MISSING="python3-plotly").returncode, DONE)
+        self.assertEqual(self.calls("apt-get"), [])
+        done = self.reproduce("report", "--no-install", MISSING="python3-plotly")
+        self.assertEqual((done.returncode, "python3-plotly" in done.stderr), (BAD_ARGUMENTS, True))
+
+
+class History(ReproduceTest):
+    def test_each_run_of_table_1_appends_a_line(self):
+        path = self.path("history.jsonl")
+        for runs in (1, 2):
+            done = self.reproduced("--quick", "--history", path)
+            lines = [json.loads(line) for line in text_of(path).splitlines()]
+            self.assertEqual(len(lines), runs)
+        self.assertEqual((lines[1]["program"], len(lines[1]["ratios"])), ("table1", 18))  # of two n
+        self.assertEqual({*lines[1]["ratios"][0]}, {"what", "ratio", "low", "high"})
+        self.assertEqual(done.stderr.splitlines()[-1], f"The page to open: {self.out}/{PAGE}")
+        self.assertIn(f"--history {path}", self.calls("page[")[-1])
+        self.reproduced("report", "--history", path)
+        self.assertEqual(self.calls("page[")[-1], f"page[] --out {self.out} --history {path}")
+
+    def test_one_that_cannot_be_used_is_refused_before_the_run(self):
+        damaged = self.write("damaged", '{"format": "isosyrk hist')
+        for path, *told in ((damaged, "line 1"), (self.path("none", "history"), "cannot be written"), (self.folder,)):
+            with self.subTest(path=path):
+                done = self.reproduce("--quick", "--history", path)
+                self.assert_refused(done, path, *told)
+        self.assertEqual((self.calls(), os.path.exists(self.out)), ([], False))
+        self.assertEqual(text_of(damaged), '{"format": "isosyrk hist')
+
+    def test_a_run_that_fails_appends_nothing(self):
+        path = self.path("history.jsonl")
+        self.assertEqual(self.reproduce("--quick", "--history", path, FAILING="table1").returncode, 7)
+        self.assertFalse(os.path.exists(path))
 
 
 class FailedRuns(ReproduceTest):

@@ -1,0 +1,24 @@
+"""HTML of the Markdown of this project's pages and reports, without anything that another place would have to give."""
+
+import re
+
+import markdown
+
+ESCAPED = "|<>~$&"  # by lib/pages/document.py, beside what Markdown escapes
+PICTURE = re.compile(r"^!\[.*\]\([^)]*\)\n(\n\*.*\*\n)?", re.MULTILINE)  # of a report, with its caption
+PLACE = re.compile(r' ?\(?<a href="(?!https?:)[^"]*">(.*?)</a>\)?')  # a link within the repository, as (more)
+
+
+def as_html(text):
+    """Returns the HTML of some Markdown. Pictures, and links to other files, are left out."""
+    writer = markdown.Markdown(extensions=["tables", "sane_lists"])
+    writer.ESCAPED_CHARS.extend(ESCAPED)
+    html = writer.convert(PICTURE.sub("", text))
+    html = PLACE.sub(lambda link: "" if link[0].endswith(")") else f" {link[1]}", html)
+    return re.sub(r"<(/?)h([1-4])>", lambda tag: f"<{tag[1]}h{int(tag[2]) + 2}>", html).replace(
+        "<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
+
+
+def section_of(text, heading):
+    """Returns what stands under a heading of the second level."""
+    return text.partition(f"\n## {heading}\n")[2].partition("\n## ")[0].strip()

@@ -1,0 +1,89 @@
+"""Turbulence: energies of one flow by degree, from the study fluid, and what statistics cost, from turbulence."""
+
+from lib.pages.integrate_line import integrate_line, start_of_code
+from lib.records.formats import FAST, PUBLISHED
+from lib.records.integrators import KEPT, name_with_order
+from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly, look_of, options_of
+from report_page.of_accuracy import marked
+from studies.fluid.charts import START_COLOUR
+
+IMPORTS, DRAWN_STATE = "from studies.turbulence.single_runs import drawn_scene", "drawn_scene({}, {}).initial"
+SMALLEST = 1e-9  # share of the energy that is drawn, as in the still chart
+START = "t = 0"
+
+
+def start_at(n, sample):
+    return start_of_code(f"drawn_n{n}_{sample}", IMPORTS, DRAWN_STATE.format(n, sample))
+
+
+def solver_of(integrator):
+    return FAST if integrator.has_fast_form else PUBLISHED
+
+
+def spectra(fluid):
+    """Returns the Chart of the energy of each degree l, at the start and at the end by each method."""
+    n, sample = fluid.settings.n, fluid.settings.sample
+    start, total = start_at(n, sample), sum(fluid.start.energies)
+    states = [(START, None, fluid.start.energies, start.first.removesuffix(" && "))]
+    for name, end in fluid.ends.items():
+        integrator = fluid.integrators[name]
+        states.append((name_with_order(integrator), end, end.energies, integrate_line(
+            start, n, name, end.step, end.time, end.tolerance, solver_of(integrator))))
+    rows = [(label, end, degree, energy / total, line) for label, end, energies, line in states
+            for degree, energy in enumerate(energies, 1) if energy / total > SMALLEST]
+    looks = {START: as_plotly({"color": START_COLOUR})}
+    looks |= {name_with_order(fluid.integrators[name]): {**look_of(fluid.integrators[name], end.tolerance), "size": 0}
+              for name, end in fluid.ends.items()}
+    return Chart(
+        "spectra", "Energy by degree, at the start and late", Axis("degree", "degree l"),
+        Axis("energy", "energy E(l) over all energy"),
+        {"state": Column("state", [label for label, *_ in rows]),
+         "time": Column("t", [end.time if end else 0 for _, end, *_ in rows]),
+         "step": Column("step h", [end and end.step for _, end, *_ in rows]),
+         "degree": Column("l", [degree for _, _, degree, *_ in rows]),
+         "energy": Column("E(l) over all energy", [energy for *_, energy, _ in rows]),
+         "lost": Column("enstrophy lost", [end and max(0.0, 1 - end.enstrophy) for _, end, *_ in rows]),
+         "series": Column("", [label for label, *_ in rows])},
+        (), looks, [line for *_, line in rows],
+        note=f"One turbulent flow, n = {n}. What a method loses of the spectrum of W is missing at the small scales.")
+
+
+# ---- what statistics cost
+
+
+def statistics(study, found):
+    """Returns the Chart of how far the statistics of settings are off, against what they cost."""
+    thresholds = {each.n: each.threshold for each in found.trust}
+    rows = [row for row in found.settings if row.distance is not None and row.over_baseline is not None]
+    faithful = {True: "faithful", False: "not faithful"}
+    methods = dict.fromkeys(row.integrator for row in rows)
+    return Chart(
+        "statistics", "How far statistics are off, against cost", Axis("cost", "CPU time over that of the baseline"),
+        Axis("distance", "distance from the reference, over chance"),
+        {"integrator": Column("method", [row.integrator for row in rows]),
+         "n": Column("n", [row.n for row in rows]), "step": Column("step h", [row.step for row in rows]),
+         "tolerance": Column("tolerance", [row.tolerance for row in rows]),
+         "keeps": Column("keeps", [KEPT[row.keeps] for row in rows]),
+         "verdict": Column("statistics", [faithful[row.faithful] for row in rows]),
+         "distance": Column("distance over chance", [row.distance / thresholds[row.n] for row in rows]),
+         "cost": Column("time over the baseline's", [row.over_baseline for row in rows]),
+         "products": Column("full products a unit of time", [row.products for row in rows]),
+         "energy": Column("energy off, at worst", [row.energy_worst for row in rows]),
+         "spectrum": Column("spectrum error", [row.spectrum_error for row in rows]),
+         "series": Column("", [name_with_order(study.integrators[row.integrator]) for row in rows])},
+        (Selector("n", "n", options_of(sorted({row.n for row in rows}), str), len({row.n for row in rows}) - 1),
+         Selector("verdict", "statistics", (Option("all", None), *options_of(faithful.values())))),
+        {name_with_order(study.integrators[name]): marked(study.integrators[name], place)
+         for place, name in enumerate(methods)},
+        [integrate_line(start_at(row.n, 0), row.n, row.integrator, row.step, time_of(study, row), row.tolerance,
+                        solver_of(study.integrators[row.integrator])) for row in rows],
+        band=(None, 1.0),
+        note="A mark is a method with a step, over all samples; its command runs the first sample. Shaded: within"
+             " chance of the reference. Faithful: there, with energy and enstrophy kept to 1 %. Baseline: isospectral"
+             " midpoint, h = ħ/4. Settings that lost a sample have no statistics.")
+
+
+def time_of(study, row):
+    """Returns the time of a run, of the fewest steps that reach T."""
+    steps = -(-study.sizes[row.n].time // row.step)
+    return steps * row.step

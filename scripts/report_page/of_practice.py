@@ -1,0 +1,64 @@
+"""What people run, and what reaches a tenth of its error for less: from the study of practice."""
+
+from lib.pages.integrate_line import integrate_line, start_of, start_of_code
+from lib.records.formats import FAST, PUBLISHED
+from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly, options_of
+from studies.practice.charts import DRAWN
+from studies.practice.judge import findings
+from studies.practice.schema import AT_PRACTICE, AT_TENTH, METHOD, QUFLOW, TURBULENCE
+
+ERRORS = (Option("a tenth of the practice's error", AT_TENTH), Option("the practice's error", AT_PRACTICE))
+IMPORTS, DEVELOPED = "from studies.practice.single_runs import develop", "develop({})[0]"
+
+
+def practice(study):
+    """Returns the Chart of CPU time for a unit of simulated time against n: the practice, and the best of classes."""
+    found = findings(study)
+    results = {(row.scene, row.n, row.wanted, row.integrator, row.tolerance): row for row in found.results
+               if row.role == METHOD}
+    leaders = [(each.group, each.wanted, results[each.scene, each.n, each.wanted, each.integrator, each.tolerance])
+               for each in found.leaders if each.group in DRAWN]
+    own = [(row.role, option.value, row) for row in found.results if row.role != METHOD for option in ERRORS]
+    rows = sorted(((wanted, DRAWN[group][0], row) for group, wanted, row in (*own, *leaders)),
+                  key=lambda each: each[2].n)
+
+    def told(name):
+        return [getattr(row, name) for *_, row in rows]
+
+    scenes = options_of(row.scene for *_, row in rows)
+    return Chart(
+        "practice", "CPU time for a unit of simulated time, against n", Axis("n", "n", has_ticks=True),
+        Axis("milliseconds", "CPU milliseconds"),
+        {"integrator": Column("method", ["quflow" if row.role == QUFLOW else row.integrator for *_, row in rows]),
+         "class": Column("drawn as", [label for _, label, _ in rows]),
+         "n": Column("n", told("n")), "step": Column("step h", told("step")), "steps": Column("steps", told("steps")),
+         "error": Column("error", told("error")),
+         "milliseconds": Column("CPU ms a unit", [1e3 * row.seconds for *_, row in rows]),
+         "products": Column("full products", told("products")), "sweeps": Column("sweeps a step", told("sweeps")),
+         "tolerance": Column("tolerance", told("tolerance")),
+         "gain": Column("practice takes, times", told("gain_over_practice")),
+         "low": Column("95 % from", told("gain_over_practice_low")), "high": Column("to",
+                                                                                   told("gain_over_practice_high")),
+         "quflow": Column("quflow takes, times", told("gain_over_quflow")),
+         "scene": Column("", told("scene")), "wanted": Column("", [wanted for wanted, *_ in rows]),
+         "series": Column("", [label for _, label, _ in rows])},
+        (Selector("scene", "scene", scenes), Selector("wanted", "methods at", ERRORS)),
+        {label: as_plotly({"color": colour, **style}) for label, colour, style in DRAWN.values()},
+        [line_of(study, row) for *_, row in rows],
+        note="The practice: isospectral midpoint, h = ħ/4, tolerance 1e-8. Others: the cheapest method of a class at"
+             " the chosen error. Turbulence: a flow that was developed until its small scales were filled.")
+
+
+def line_of(study, row):
+    """Returns the command of a Result; quflow's own step has none."""
+    if row.role == QUFLOW:
+        return ""
+    start = (start_of_code(f"turbulence_n{row.n}", IMPORTS, DEVELOPED.format(row.n)) if row.scene == TURBULENCE
+             else start_of(row.scene, row.n))
+    solver = FAST if study.integrators[row.integrator].has_fast_form else PUBLISHED
+    return integrate_line(start, row.n, row.integrator, row.step, study.problems[row.scene, row.n].time,
+                          row.tolerance, solver)
+
+
+def sizes_text(study):
+    return f"n = {min(n for _, n in study.problems)} … {max(n for _, n in study.problems)}"
