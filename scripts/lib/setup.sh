@@ -10,7 +10,7 @@ STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-scipy python3-mat
 # What the study of the paper's claims needs besides: the paper's language but for the name.
 CLAIMS_PACKAGES=(octave)
 # What the page to open, report.html, is made with. A run succeeds without them, and says that there is no page.
-PAGE_PACKAGES=(python3-plotly python3-jinja2 python3-markdown python3-matplotlib)
+PAGE_PACKAGES=(python3-plotly python3-jinja2 python3-markdown)  # besides matplotlib
 # What the tests need besides: the module is installed by pip, pages are rendered, and hypothesis draws the inputs of
 # property tests.
 TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel python3-hypothesis "${PAGE_PACKAGES[@]}")

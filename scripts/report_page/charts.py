@@ -11,12 +11,18 @@ from matplotlib.colors import to_hex, to_rgb
 
 from lib.pages.chart_panels import LINES, look
 from lib.records.formats import to_digits
+from lib.records.integrators import ADAMS
 
 # The marks and lines of the still charts, as Plotly calls them.
 SYMBOLS = {"o": "circle", "s": "square", "^": "triangle-up", "D": "diamond", "P": "cross", "v": "triangle-down",
            "h": "hexagon", ".": "circle", "x": "x-thin"}
 DASHES = dict(zip(LINES.values(), ("solid", "dash", "dot")))
-LARGER = 1.9  # a mark in pixels, over its size in points on paper
+# Where no lines say what a method keeps, the mark does: open, with a dot inside, filled.
+OPEN, DOTTED, FILLED = "-open", "-open-dot", ""
+FILLS = dict(zip(LINES.values(), (OPEN, DOTTED, FILLED)))
+KEEPING = "Open marks keep the Lie–Poisson structure, those with a dot the spectrum only, filled ones nothing."
+ADAMS_SYMBOL = "star"  # by which Adams methods differ from Runge–Kutta ones of their order, whose colour they have
+LARGER = 2.2  # a mark in pixels, over its size in points on paper
 DARK_GROUND, CONTRAST, LIGHTER = "#15181d", 6, 0.02  # of dark pages; colours are lightened by steps until they differ
 
 
@@ -70,17 +76,23 @@ def options_of(values, write=str):
     return tuple(Option(write(each), each) for each in dict.fromkeys(values))
 
 
-def look_of(integrator, tolerance, joined=True, is_filled=False):
-    """Returns how the points of an Integrator are drawn."""
-    return as_plotly(look(integrator, tolerance), joined, is_filled)
+def look_of(integrator, tolerance):
+    """Returns how the line of an Integrator is drawn."""
+    return as_plotly(look(integrator, tolerance))
 
 
-def as_plotly(style, joined=True, is_filled=False):
+def mark_of(integrator, tolerance):
+    """Returns how the points of an Integrator are drawn, which no line joins."""
+    style = look(integrator, tolerance)
+    found = as_plotly(style, joined=False, fill=FILLS[style["linestyle"]])
+    return {**found, "symbol": ADAMS_SYMBOL + FILLS[style["linestyle"]]} if integrator.family == ADAMS else found
+
+
+def as_plotly(style, joined=True, fill=OPEN):
     """Returns the look that a style of the still charts has on the page."""
-    symbol = SYMBOLS[style.get("marker") or "."]
     return {"color": to_hex(style["color"]), "dark": on_dark(style["color"]), "joined": joined,
             "dash": DASHES[style.get("linestyle", "-")], "width": style.get("linewidth", 1.6),
-            "symbol": symbol if is_filled or style.get("marker") == "." else f"{symbol}-open",
+            "symbol": SYMBOLS[style.get("marker") or "."] + fill,
             "size": LARGER * style.get("markersize", 4) if style.get("marker") else 0}
 
 

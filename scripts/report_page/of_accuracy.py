@@ -6,7 +6,7 @@ from lib.pages.numbers import power
 from lib.records.formats import FAST, PUBLISHED
 from lib.records.integrators import GAUSS, KEPT
 from lib.records.settings import keeps
-from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly, look_of, options_of
+from report_page.charts import KEEPING, Axis, Chart, Column, Option, Selector, as_plotly, mark_of, options_of
 from studies.accuracy.charts import ERROR_LABEL, SECONDS_LABEL, WORK_PRECISION_OF, label_of
 
 SHOWN_N = 65  # at first
@@ -66,12 +66,12 @@ def speed(study):
          "series": Column("", [label_of(study, run.form) for run in runs])},
         (Selector("scene", "scene", scenes, chosen_at(scenes, shown)),
          Selector("n", "n", sizes, chosen_at(sizes, SHOWN_N)), KEEPS, tolerances_of(runs)),
-        {label_of(study, form): look_of(study.integrators[form.integrator], form.tolerance, False, is_filled=True)
+        {label_of(study, form): mark_of(study.integrators[form.integrator], form.tolerance)
          for form in study.forms()},
         [line_of(run, run.scene, run.solver) for run in runs], has_front=True,
         note="Errors fall to the right. In colour: points that no other of the selection beats in time and in error."
-             " Grey: all others. Errors below the floor of the reference solution, and steps beyond a method's"
-             " stability limit, are left out. Times are the least of the repetitions.")
+             f" Grey: all others. {KEEPING} Errors below the floor of the reference solution, and steps beyond a"
+             " method's stability limit, are left out. Times are the least of the repetitions.")
 
 
 # ---- what runs keep
@@ -101,7 +101,7 @@ def kept(accuracy, longruns):
     scenes, sizes = options_of(scene for _, scene, _, _ in found), options_of(sorted({run.n for run in runs}))
     kept_at = [structure_of(integrators[run.integrator], run.tolerance) for run in runs]
     return Chart(
-        "kept", "Energy error against spectrum error",
+        "kept", "What each run lost of the energy, and of the spectrum",
         Axis("spectrum", "largest error of an eigenvalue at the end"),
         Axis("energy", "largest relative energy error"),
         {"integrator": Column("method", [run.integrator for run in runs]),

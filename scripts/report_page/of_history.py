@@ -1,10 +1,11 @@
 """The history of a benchmark, each processor by itself."""
 
-from lib.records.history import NO
+from lib.records.history import GATE, NO, TABLE1
 from report_page.charts import Axis, Chart, Column, Selector, as_plotly, options_of
 
 LOOKS = {"clean": {"color": "#1f67ad", "marker": "o", "markersize": 4.5},
          "with changes": {"color": "#d8a03c", "marker": "D", "markersize": 4.5}}  # of the checkout
+COMMANDS = {TABLE1: "reproduce table1", GATE: "check_regression"}
 
 
 def history(lines):
@@ -30,6 +31,7 @@ def history(lines):
         (Selector("machine", "processor", options_of(line.machine for line, *_ in rows)),
          Selector("program", "program", programs),
          Selector("what", "ratio", options_of(entry.what for *_, entry in rows))),
-        {name: as_plotly(look, joined=False) for name, look in LOOKS.items()}, [""] * len(rows), bars=("low", "high"),
+        {name: as_plotly(look, joined=False) for name, look in LOOKS.items()},
+        [f"git checkout {line.commit} && scripts/{COMMANDS[line.program]}" for line, *_ in rows], bars=("low", "high"),
         note="Each run compares times that it measured interleaved. Runs on other processors or with other kernels are"
              " not compared with these.")

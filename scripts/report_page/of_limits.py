@@ -23,7 +23,8 @@ def limits(study):
     views = options_of([CHIEF, *(view for view, *_ in rows if view != CHIEF)])
     forms = sorted({row[1][0] for row in rows})
     steps = [value / study.states[key[1], key[2], 0].norm_B for _, key, value, *_ in rows]
-    counts = [steps_of(study, key, h) for (_, key, *_), h in zip(rows, steps)]
+    counts = [steps_of(study, key, h) * (study.settings.longer if series == LONGEST else 1)
+              for (_, key, _, series, _), h in zip(rows, steps)]
     return Chart(
         "limits", "h‖B(W₀)‖₂ of steps that work and fail, against n", Axis("n", "n", has_ticks=True),
         Axis("norm", "h‖B(W₀)‖₂"),

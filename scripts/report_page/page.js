@@ -8,7 +8,8 @@ const HEIGHT = {wide: 30, chart: 19, key: 1.25}; // of a plot, in rem; in a narr
 const dark = matchMedia("(prefers-color-scheme: dark)");
 const narrow = matchMedia("(max-width: 40rem)");
 const style = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-const told = value => typeof value === "number" ? String(Number(value.toPrecision(TOLD_DIGITS))) : value;
+const told = value => typeof value !== "number" || Number.isInteger(value) ? value
+  : String(Number(value.toPrecision(TOLD_DIGITS)));
 const unfolded = ({values, places}) => places ? places.map(place => values[place]) : values;
 
 // What the address says, such as #speed.n=65&speed.scene=rough, T = 5. One without = names a section.

@@ -8,7 +8,7 @@ from lib.pages.document import as_markdown
 from lib.programs.messages import one_line
 from lib.programs.places import RECORDED, ROOT
 from lib.records import findings
-from lib.records.formats import parse_json, printable_context, read_json, read_text
+from lib.records.formats import FAST, an_object, checked, printable_context, read_json, read_text
 from report_page import of_accuracy, of_flows, of_history, of_limits, of_practice, of_tables
 from report_page.charts import Chart
 from report_page.markup import as_html, section_of
@@ -92,11 +92,10 @@ def tables(sources):
     path = sources.path("tables")
     if path is None:
         return Section("table-1-and-table-2", "Table 1 and Table 2", missing=missing(sources, "tables"))
-    has_fast = read_json(path, lambda document: document["context"]["isosyrk_program"]) == "table2"
-    found = of_tables.comparisons(path, has_fast)
+    found = of_tables.comparisons(path)
     shown, rules, pairs = map(as_html, of_tables.tables(found))
-    lacking = () if has_fast else ("Not in this run: the fast forms. <code>scripts/reproduce table2</code> measures"
-                                   " them too.",)
+    lacking = () if FAST in found else (
+        "Not in this run: the fast forms. <code>scripts/reproduce table2</code> measures them too.",)
     return Section("table-1-and-table-2", "Table 1 and Table 2", below=shown, charts=(of_tables.formulations(found),),
                    folded=(("How the claims are judged", rules), ("Every pair of rows", pairs)), missing=lacking)
 
@@ -174,11 +173,15 @@ def reports(sources):
 def conditions(sources):
     folded = []
     for home in sources.folders:
-        context = printable_context(parse_json(read_text(sources.path(home)))["context"])
+        context = read_json(sources.path(home), context_of)
         rows = "".join(f"<tr><th>{name.replace('_', ' ')}</th><td>{escaped(context[name])}</td></tr>"
                        for name in TOLD if context.get(name))
         folded.append((title_of(home), f'<div class="wide" tabindex="0"><table>{rows}</table></div>'))
     return Section("conditions", "Conditions of each run", folded=tuple(folded))
+
+
+def context_of(document):
+    return printable_context(checked(document, {"context": an_object}, "it")["context"])
 
 
 def title_of(home):

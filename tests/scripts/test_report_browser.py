@@ -189,7 +189,7 @@ class Points(BrowserTest):
             with self.subTest(chart=name):
                 for each in told:
                     value = column(self.charts[name], each)[row]
-                    shown = self.value(f"told({json.dumps(value)})")
+                    shown = self.value(f"String(told({json.dumps(value)}))")
                     self.assertIn(shown, text)
                     if isinstance(value, float):
                         self.assertAlmostEqual(float(shown) / value, 1, places=3)

@@ -121,6 +121,8 @@ class WholePage(PageTest):
         for label, name, tolerance in (("rk8", "rk8_frame", TIGHT), ("elp4, 1e-13", "elp4_frame", TIGHT),
                                        ("elp4, 1e-8", "elp4_frame", 1e-8)):
             self.assertEqual(speed[label]["color"], look(integrators[name], tolerance)["color"])
+        for label, symbol in (("rk8", "hexagon"), ("elp4, 1e-13", "diamond-open"), ("elp4, 1e-8", "diamond-open-dot")):
+            self.assertEqual(speed[label]["symbol"], symbol)  # by what they keep
         self.assertEqual(tables["algebra, fast"]["color"], FORMULATION_COLOURS["algebra"][0])
         self.assertEqual(self.charts["kept"]["looks"]["exponential Lie–Poisson"]["color"],
                          FAMILY_COLOURS[EXPONENTIAL][0])
@@ -198,6 +200,22 @@ class WholePage(PageTest):
         self.assertEqual(done.returncode, DONE, done.stderr)
 
 
+class Markup(PageTest):
+    def test_what_reports_escape_is_shown_and_is_no_html(self):
+        from lib.pages.document import Figure, Heading, Paragraph, as_markdown
+        from report_page.markup import as_html, section_of
+
+        text = "<script>nobody()</script> & a|b ~ $5 #1 *x* h_norm `c` [d]"
+        html = as_html(as_markdown([Heading("A < B", 1), Paragraph(text), Figure("chart.svg", "a caption")]))
+        self.assertIn("<h3>A &lt; B</h3>", html)
+        self.assertIn("<p>&lt;script&gt;nobody()&lt;/script&gt; &amp; a|b ~ $5 #1 *x* h_norm `c` [d]</p>", html)
+        self.assertNotIn("chart.svg", html)
+        self.assertNotIn("caption", html)
+        self.assertEqual(as_html("seen ([more](results/README.md#a)) and [there](https://arxiv.org)"),
+                         '<p>seen and <a href="https://arxiv.org">there</a></p>')
+        self.assertEqual(section_of("# a\n\n## b\n\nc\n\n## d\n", "b"), "c")
+
+
 class OneRun(PageTest):
     def test_what_a_run_has_not_is_said_with_the_command_that_measures_it(self):
         html, charts = self.page_of_study("limits")
@@ -272,10 +290,13 @@ class Program(PageTest):
         bad = self.write("history", "not one\n")
         for arguments, *parts in (((), "--out"), (("--out", "x", "--study", "limits"), "--results"),
                                   (("--out", "x", "--study", "no"), "--study"),
+                                  (("--out", "x", "--results", self.folder), self.folder, "no study"),
                                   (("--out", "x", "--history", bad), bad, "line 1"),
                                   (("--out", "x", "--history", self.path("none")), self.path("none")),
                                   (("--out", "x", "--study", "limits", "--results", self.path("run")), "raw.json"),
-                                  (("--out", "x", "--study", "limits", "--results", self.folder), "raw.json")):
+                                  (("--out", "x", "--study", "limits", "--results", self.folder), "raw.json"),
+                                  *((("--out", "x", "--study", name, "--results", self.path("run")), "raw.json")
+                                    for name in ("table1", "theorem"))):
             with self.subTest(arguments=arguments), self.unchanged():
                 self.assert_refused(self.page(*arguments), "page: ", *parts)
 

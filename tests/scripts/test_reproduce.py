@@ -510,6 +510,16 @@ class PageToOpen(ReproduceTest):
         done = self.reproduce("--quick", PAGE="fail", BENCHMARK_STATUS="3")
         self.assertEqual(done.returncode, SOLVER_FAILED)
 
+    def test_an_interruption_while_it_is_made_leaves_the_results(self):
+        process = start(self.line("reproduce", "--quick", "--out", self.out), env=self.surroundings(PAGE="wait"),
+                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(end, process)
+        self.await_start()
+        process.terminate()
+        self.assertEqual(process.wait(timeout=PATIENCE), 128 + signal.SIGTERM)
+        self.assert_all_end(process)
+        self.assertEqual(set(os.listdir(self.out)), RESULTS - {PAGE})
+
     def test_of_all_recorded_runs_nothing_is_built_or_measured(self):
         done = self.reproduced("report")
         self.assertEqual((os.listdir(self.out), done.stdout), ([PAGE], ""))
@@ -517,7 +527,8 @@ class PageToOpen(ReproduceTest):
         self.assertEqual(self.calls(), [f"page[] --out {self.out}"])
         self.assertEqual(self.script("reproduce", "report").returncode, DONE)
         self.assertEqual(os.listdir(self.path("root", "results", "latest", "report")), [PAGE])
-        self.assertEqual(self.reproduce("report", PAGE="fail").returncode, BAD_ARGUMENTS)
+        done = self.reproduce("report", PAGE="fail")  # the page before it is not named
+        self.assertEqual((done.returncode, "The page to open" in done.stderr), (BAD_ARGUMENTS, False))
 
     def test_what_it_needs_is_installed_where_that_can_be(self):
         done = self.reproduce("--quick", MISSING="python3-plotly")
@@ -807,6 +818,15 @@ class TestScript(CopyTest):
         (_, built), (tested,) = self.calls("cmake"), self.calls("ctest")
         self.assertIn(f"--build {self.path('root', 'build-x86-64-v3')} --target rounding ", built)
         self.assertRegex(tested, "--label-regex [a-z_|]*rounding")
+
+    def test_a_browser_is_installed_where_there_is_one_and_is_not_needed(self):
+        for arguments, changes, installed in (((), {}, True), ((), {"ABSENT": "chromium"}, False),
+                                              (("--no-install",), {}, False), (("--sanitize",), {}, False)):
+            with self.subTest(arguments=arguments, changes=changes):
+                self.write("calls", "")
+                self.assertEqual(self.script("test", *arguments, MISSING="chromium", **changes).returncode, DONE)
+                self.assertEqual(any("install" in call and "chromium" in call for call in self.calls("apt-get")),
+                                 installed)
 
     def test_kernels_that_cannot_be_told_end_it_before_the_tests(self):
         done = self.script("test", FAILING="kernel_sets")
