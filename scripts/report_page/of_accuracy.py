@@ -102,8 +102,8 @@ def kept(accuracy, longruns):
     kept_at = [structure_of(integrators[run.integrator], run.tolerance) for run in runs]
     return Chart(
         "kept", "What each run lost of the energy, and of the spectrum",
-        Axis("spectrum", "largest error of an eigenvalue at the end"),
-        Axis("energy", "largest relative energy error"),
+        Axis("spectrum", "spectrum error at the end"),
+        Axis("energy", "largest energy error"),
         {"integrator": Column("method", [run.integrator for run in runs]),
          "form": Column("form", [form for _, _, form, _ in found]),
          "step": Column("step h", [run.step for run in runs]),
@@ -122,8 +122,9 @@ def kept(accuracy, longruns):
          Selector("n", "n", sizes, 0), KEEPS, tolerances_of(runs)),
         looks_of_classes(integrators),
         [line_of(run, run.scene, form) for run, _, form, _ in found],
-        note="Each mark is a run. A spectrum error at rounding, left, says that the spectrum is kept. Long runs take"
-             " T = 1000 at n = 33 and less at larger n, as is said of each point.")
+        note="Each mark is a run: the largest relative error of the energy, and of an eigenvalue at the end. On the"
+             " left the spectrum is kept to rounding. Long runs take T = 1000 at n = 33 and less at larger n, as is said"
+             " of each point.")
 
 
 CLASS_MARKS = "osD^vPh"  # in turn

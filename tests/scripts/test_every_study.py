@@ -15,6 +15,7 @@ import tempfile
 import unittest
 
 import drawing
+from page_documents import MISSING
 from programs import (BUILD, DONE, HAS_MODULE, MEASURE, PATIENCE, RENDER, ROOT, SANITIZED, FolderTest, environment, run,
                       snapshot, text_of)
 
@@ -68,6 +69,9 @@ CHARTS = {"accuracy": ("error_against_time", "performance_profile", "time_agains
           "longruns": ("energy_against_cost", "energy_against_time", "spectrum_against_cost"),
           "practice": (), "scaling": (),
           "theorem": (), "turbulence": ()}
+# What of each is drawn on the page of a run.
+ON_PAGES = {"accuracy": ["speed", "kept"], "fluid": ["spectra"], "limits": ["limits"], "longruns": ["kept"],
+            "practice": ["practice"], "turbulence": ["statistics"]}
 STUDIES = {*studies.PACKAGES} - {"references", "tables"}
 NEEDS = {"claims": (shutil.which("octave-cli"), "needs GNU Octave"),
          "threads": (len(os.sched_getaffinity(0)) > 1 and not SANITIZED, "there is one core only, or a sanitizer")}
@@ -136,6 +140,20 @@ class Every(StudyTest):
                 for chart in charts:
                     self.assertIn(f"({chart}.svg)", report)
                 self.assertTrue(json.loads(files["figures.json"]))
+                shutil.copy(self.raw(name), os.path.join(out, "raw.json"))
+                self.assert_is_on_a_page(name, out)
+
+    def assert_is_on_a_page(self, name, folder):
+        """What a run has is drawn on its page, and what it has not is said there."""
+        if MISSING:
+            return
+        from report_page.charts import as_data
+        from report_page.sections import Sources, sections
+        found = sections(Sources({name: folder}, False))
+        self.assertEqual([as_data(chart)["name"] for section in found for chart in section.charts],
+                         ON_PAGES.get(name, []))
+        self.assertIn("reports", [section.name for section in found])
+        self.assertGreater(sum(len(section.missing) for section in found), 5)
 
 
 class Accuracy(StudyTest):
