@@ -123,8 +123,8 @@ def kept(accuracy, longruns):
         looks_of_classes(integrators),
         [line_of(run, run.scene, form) for run, _, form, _ in found],
         note="Each mark is a run: the largest relative error of the energy, and of an eigenvalue at the end. On the"
-             " left the spectrum is kept to rounding. Long runs take T = 1000 at n = 33 and less at larger n, as is said"
-             " of each point.")
+             " left the spectrum is kept to rounding. Long runs take T = 1000 at n = 33 and less at larger n, as each"
+             " point says.")
 
 
 CLASS_MARKS = "osD^vPh"  # in turn
