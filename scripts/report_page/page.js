@@ -14,9 +14,7 @@ const unfolded = ({values, places}) => places ? places.map(place => values[place
 
 // What the address says, such as #speed.n=65&speed.scene=rough, T = 5. One without = names a section.
 const address = {
-  read() {
-    address.values = new URLSearchParams(location.hash.includes("=") ? location.hash.slice(1) : "");
-  },
+  read: () => { address.values = new URLSearchParams(location.hash.includes("=") ? location.hash.slice(1) : ""); },
   say(key, value) {
     address.values.set(key, value);
     history.replaceState(null, "", `#${address.values}`);
@@ -38,9 +36,8 @@ class Chart {
       address.say(`${spec.name}.${select.name}`, select.value);
       this.draw();
     }));
-    this.points = this.control("point");
+    [this.points, this.command] = ["point", "command"].map(this.control);
     this.points.addEventListener("change", () => this.show(Number(this.points.value), true));
-    this.command = this.control("command");
     this.figure.querySelector("button").addEventListener("click", () => this.copy());
     this.details = this.figure.querySelector(".behind");
     this.details.addEventListener("toggle", () => this.tabulate());
@@ -96,11 +93,11 @@ class Chart {
   }
 
   trace(rows, name, look) {
-    const {x, y, bars} = this.spec, of = column => rows.map(row => this.columns[column][row]);
+    const {x, y, bars} = this.spec, of = column => rows.map(row => this.columns[column][row] ?? null);
     const colour = dark.matches ? look.dark : look.color, heights = of(y.column);
     const mode = look.joined ? (look.size ? "lines+markers" : "lines") : "markers";
     const trace = {type: "scatter", mode, name, x: of(x.column), y: heights, customdata: rows,
-      text: rows.map(row => this.text(row, "<br>")), hovertemplate: "%{text}<extra></extra>",
+      text: rows.map(row => row === null ? "" : this.text(row, "<br>")), hovertemplate: "%{text}<extra></extra>",
       line: {color: colour, dash: look.dash, width: look.width},
       marker: {color: colour, symbol: look.symbol, size: look.size || 6, line: {color: colour, width: 1.4}}};
     if (bars.length) {
@@ -112,8 +109,14 @@ class Chart {
     return trace;
   }
 
+  // Returns the row at each x that any series has, null where these rows have none: there a line is broken.
+  atEach(rows) {
+    const values = this.columns[this.spec.x.column], all = [...new Set(this.rows.map(row => values[row]))];
+    return all.sort((one, other) => one - other).map(value => rows.find(row => values[row] === value) ?? null);
+  }
+
   traces() {
-    const {looks, has_front} = this.spec, names = this.columns.series;
+    const {looks, has_front, x} = this.spec, names = this.columns.series;
     const shown = has_front ? this.front(this.rows) : this.rows, inFront = new Set(shown), traces = [];
     if (has_front) {
       const grey = {color: style("grey"), dark: style("grey"), symbol: "circle-open", size: 5};
@@ -121,7 +124,7 @@ class Chart {
     }
     for (const [name, look] of Object.entries(looks)) {
       const rows = shown.filter(row => names[row] === name);
-      if (rows.length) traces.push(this.trace(rows, name, look));
+      if (rows.length) traces.push(this.trace(look.joined && x.has_ticks ? this.atEach(rows) : rows, name, look));
     }
     this.order = [...inFront, ...this.rows.filter(row => !inFront.has(row))];
     this.figure.querySelector(".count").textContent = `${this.rows.length} points`
@@ -191,9 +194,6 @@ class Chart {
 address.read();
 const charts = JSON.parse(document.getElementById("data").textContent).map(spec => new Chart(spec));
 const begun = () => charts.filter(each => each.rows);
-addEventListener("hashchange", () => {
-  if (!location.hash.includes("=")) return;
-  address.read();
-  begun().forEach(each => each.restore());
-});
+const follow = () => { address.read(); begun().forEach(each => each.restore()); };
+addEventListener("hashchange", () => location.hash.includes("=") && follow());
 for (const query of [dark, narrow]) query.addEventListener("change", () => begun().forEach(each => each.draw()));

@@ -177,6 +177,20 @@ class Selectors(BrowserTest):
                                     ".filter(each => each.tabIndex < 0).length"), 0)
 
 
+class Lines(BrowserTest):
+    def test_a_line_is_broken_where_a_method_has_no_point(self):
+        self.open()
+        middle = self.of("tables", """(() => {
+            const {n, stages, series} = chart.columns;
+            const gone = n.findIndex((size, row) => size === 65 && stages[row] === 3 && series[row] === "algebra, fast");
+            chart.all = chart.all.filter(row => row !== gone);
+            chart.draw();
+            return chart.plot.data.find(each => each.name === "algebra, fast"); })()""")
+        self.assertEqual((middle["x"], middle["y"][2], middle["customdata"][2]), ([17, 33, None, 129], None, None))
+        other = self.of("tables", "chart.plot.data.find(each => each.name === 'cotangent, fast')")
+        self.assertEqual((other["x"], self.browser.problems), ([17, 33, 65, 129], []))
+
+
 class Points(BrowserTest):
     def test_hover_tells_the_figures_of_the_raw_file(self):
         self.open()
