@@ -182,7 +182,8 @@ class Lines(BrowserTest):
         self.open()
         middle = self.of("tables", """(() => {
             const {n, stages, series} = chart.columns;
-            const gone = n.findIndex((size, row) => size === 65 && stages[row] === 3 && series[row] === "algebra, fast");
+            const gone = n.findIndex((size, row) =>
+                size === 65 && stages[row] === 3 && series[row] === "algebra, fast");
             chart.all = chart.all.filter(row => row !== gone);
             chart.draw();
             return chart.plot.data.find(each => each.name === "algebra, fast"); })()""")
