@@ -141,8 +141,8 @@ class Selectors(BrowserTest):
             for selector in chart["selectors"]:
                 seen = self.of(name, f"""(select => [...select.options]
                     .filter(each => !each.disabled).slice(0, {MOST})
-                    .map(option => {{ option.selected = true; chart.draw(); return [option.value, {DRAWN}]; }}))(chart.control(
-                    "{selector['column']}"))""")
+                    .map(option => {{ option.selected = true; chart.draw(); return [option.value, {DRAWN}]; }})
+                    )(chart.control("{selector['column']}"))""")
                 with self.subTest(chart=name, selector=selector["column"]):
                     self.assertGreater(len(seen), 1)
                     self.assertEqual(len({drawn for _, drawn in seen}), len(seen), [label for label, _ in seen])

@@ -491,6 +491,10 @@ class EndToEnd(ReproduceTest):
 class PageToOpen(ReproduceTest):
     """Whatever becomes of the page, results are there; and none of an earlier run stands beside them."""
 
+    def setUp(self):
+        super().setUp()
+        self.draws("limits")
+
     def test_it_is_made_of_this_run_and_named_last(self):
         done = self.reproduced("limits")
         self.assertEqual(done.stderr.splitlines()[-1], f"The page to open: {self.out}/{PAGE}")
@@ -499,26 +503,26 @@ class PageToOpen(ReproduceTest):
 
     def test_without_one_the_run_succeeds_and_says_so(self):
         self.write(f"out/{PAGE}", "of an earlier run")
-        done = self.reproduce("--quick", PAGE="none")
-        self.assertEqual((done.returncode, set(os.listdir(self.out))), (DONE, RESULTS - {PAGE}), done.stderr)
+        done = self.reproduce("limits", PAGE="none")
+        self.assertEqual((done.returncode, set(os.listdir(self.out))), (DONE, STUDY_RESULTS - {PAGE}), done.stderr)
         self.assertEqual(done.stderr.splitlines()[-1], "page: no report.html: no Python with plotly found")
 
     def test_one_that_fails_costs_no_result(self):
-        done = self.reproduce("--quick", PAGE="fail")
-        self.assertEqual((done.returncode, set(os.listdir(self.out))), (BAD_ARGUMENTS, RESULTS - {PAGE}))
+        done = self.reproduce("limits", PAGE="fail")
+        self.assertEqual((done.returncode, set(os.listdir(self.out))), (BAD_ARGUMENTS, STUDY_RESULTS - {PAGE}))
         self.assertIn("is wrong", done.stderr.splitlines()[-1])
-        done = self.reproduce("--quick", PAGE="fail", BENCHMARK_STATUS="3")
+        done = self.reproduce("limits", PAGE="fail", BENCHMARK_STATUS="3")
         self.assertEqual(done.returncode, SOLVER_FAILED)
 
     def test_an_interruption_while_it_is_made_leaves_the_results(self):
-        process = start(self.line("reproduce", "--quick", "--out", self.out), env=self.surroundings(PAGE="wait"),
+        process = start(self.line("reproduce", "limits", "--out", self.out), env=self.surroundings(PAGE="wait"),
                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(end, process)
         self.await_start()
         process.terminate()
         self.assertEqual(process.wait(timeout=PATIENCE), 128 + signal.SIGTERM)
         self.assert_all_end(process)
-        self.assertEqual(set(os.listdir(self.out)), RESULTS - {PAGE})
+        self.assertEqual(set(os.listdir(self.out)), STUDY_RESULTS - {PAGE})
 
     def test_of_all_recorded_runs_nothing_is_built_or_measured(self):
         done = self.reproduced("report")
@@ -531,13 +535,13 @@ class PageToOpen(ReproduceTest):
         self.assertEqual((done.returncode, "The page to open" in done.stderr), (BAD_ARGUMENTS, False))
 
     def test_what_it_needs_is_installed_where_that_can_be(self):
-        done = self.reproduce("--quick", MISSING="python3-plotly")
+        done = self.reproduce("limits", MISSING="python3-plotly")
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertIn("python3-plotly", self.calls("apt-get")[-1])
         for changes in ({"ABSENT": "python3-plotly"}, {"FAILING": "apt-get"}):
-            self.assertEqual(self.reproduce("--quick", MISSING="python3-plotly", **changes).returncode, DONE)
+            self.assertEqual(self.reproduce("limits", MISSING="python3-plotly", **changes).returncode, DONE)
         self.write("calls", "")
-        self.assertEqual(self.reproduce("--quick", "--no-install", MISSING="python3-plotly").returncode, DONE)
+        self.assertEqual(self.reproduce("limits", "--no-install", MISSING="python3-plotly").returncode, DONE)
         self.assertEqual(self.calls("apt-get"), [])
         done = self.reproduce("report", "--no-install", MISSING="python3-plotly")
         self.assertEqual((done.returncode, "python3-plotly" in done.stderr), (BAD_ARGUMENTS, True))
