@@ -1,4 +1,4 @@
-"""README.md and results/README.md, rendered from README.md.in and results/README.md.in.
+"""README.md, results/README.md and results/simulate.md, each rendered from its template, which has .in behind its name.
 
 Sentences stand in the templates; figures and tables come from results/recorded. lib/pages/templates.py says how a
 template is written, and names() what it may look up. Needs Jinja2.
@@ -75,7 +75,7 @@ def verdicts_by_code(rows):
             for code in JUDGED}
 
 
-PAGES = ("README.md", os.path.join("results", "README.md"))
+PAGES = ("README.md", os.path.join("results", "README.md"), os.path.join("results", "simulate.md"))
 
 
 def names():
@@ -87,7 +87,7 @@ def names():
 
 
 def update(check):
-    """Writes both pages; with `check` throws Stop, with status 1, where one is another than its template gives."""
+    """Writes the pages; with `check` throws Stop, with status 1, where one is another than its template gives."""
     found = names()
     for each in PAGES:
         text = page(ROOT, f"{each}.in", found)

@@ -14,11 +14,13 @@ from lib.programs.messages import UnusableFile
 from lib.records.findings import FILE, as_json, read_findings, record_classes
 from lib.records.formats import finite, list_of, number, one_of, optional, text, truth, whole
 from studies.accuracy import judge as accuracy
+from studies.practice import judge as practice
 from studies.theorem import judge as theorem
 from studies.turbulence import judge as turbulence
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
-FINDINGS = {"accuracy": accuracy.Findings, "theorem": theorem.Findings, "turbulence": turbulence.Findings}
+FINDINGS = {"accuracy": accuracy.Findings, "theorem": theorem.Findings, "turbulence": turbulence.Findings,
+            "practice": practice.Findings}
 HOMES = ("sea", "land")
 
 

@@ -16,8 +16,10 @@ from programs import BUILD, DONE, HAS_MODULE, MEASURE, PATIENCE, RENDER, FolderT
 import drawing
 from lib.pages.document import as_markdown
 from lib.programs.command_line import Stop
+from lib.records.findings import FILE, as_json
 from lib.records.formats import listed
 from studies.practice.judge import cheapest, figures, findings
+from studies.practice.lookup import recorded_runs
 from studies.practice.schema import read_practice
 
 QUFLOW = os.environ.get("QUFLOW")
@@ -45,17 +47,33 @@ class Judged(FolderTest):
         self.assertEqual({group for wanted, group in leaders if wanted == "same"},
                          {"best", "spectrum", "poisson", "explicit", "exponential", "gauss"})
         told = figures(found)
-        for key, value in {"tenth.best.ms": 500, "tenth.best.gain_over_practice": 20,
+        for key, value in {"tenth.best.seconds": 0.5, "tenth.best.step_over_practice": 130 / 8,
+                           "tenth.best.gain_over_practice": 20,
                            "tenth.best.gain_over_quflow": 100, "same.best.gain_over_quflow": 200,
-                           "practice.ms": 10e3, "quflow.capped": 3, "practice.gain_over_quflow": 5,
+                           "practice.seconds": 10, "quflow.capped": 3, "practice.gain_over_quflow": 5,
                            "tenth.elp4_frame.gain_over_practice": 10,
                            "tenth.elp4_frame_bounded.gain_over_practice": 5, "tenth.poisson.steps": 8,
-                           "threads.elp4_frame.p2.gain": 1 / 0.6, "threads.elp4_frame.p1.ms": 1000}.items():
+                           "threads.elp4_frame.p2.gain": 1 / 0.6, "threads.elp4_frame.p1.seconds": 1}.items():
             self.assertLess(abs(told[f"rough.n33.{key}"] / value - 1), 0.01, key)
         # Rows of one process have one noise: ratios have none, and their interval no width.
         self.assertAlmostEqual(told["rough.n33.tenth.best.gain_over_quflow_low"], 100)
-        self.assertNotIn("rough.n33.tenth.rk5_frame.ms", told)  # which does not reach it
-        self.assertIn("rough.n33.same.rk5_frame.ms", told)
+        self.assertNotIn("rough.n33.tenth.rk5_frame.seconds", told)  # which does not reach it
+        self.assertIn("rough.n33.same.rk5_frame.seconds", told)
+
+    def test_scaled_steps_are_those_of_methods(self):
+        told = figures(findings(self.study()))
+        self.assertEqual(told["rough.n33.tenth.rk8_frame.scaled_step"], 2.0 / 8 * 8.0)  # h‖ad_B‖₂
+        self.assertNotIn("rough.n33.practice.scaled_step", told)
+
+    def test_what_was_recorded_of_a_scene_is_told_in_a_line(self):
+        path = self.write(FILE, as_json("practice", findings(self.study())))
+        self.assertEqual(recorded_runs("rough", 33, "nothing", path),
+                         "the study practice recorded, at n = 33 to T = 2: rk8_frame (tolerance 1e-13, h = 0.4) an"
+                         " error of 1.0e-03 for 0.25 s a unit of time, rk8_frame (tolerance 1e-13, h = 0.25) an error"
+                         " of 1.0e-04 for 0.5 s a unit of time")
+        self.assertIn("elp4_frame (tolerance 1e-13, h = 0.25)", recorded_runs("rough", 33, "poisson", path))
+        self.assertIsNone(recorded_runs("rough", 65, "nothing", path))
+        self.assertIsNone(recorded_runs("smooth", 33, "nothing", path))
 
     def test_one_process_decides_nothing(self):
         runs = documents.rows(noise=(1.0,))

@@ -30,7 +30,7 @@ def rows_of(study, scene):
 
 
 def time_against_n(study):
-    """Draws CPU milliseconds for a unit of simulated time against n, a panel a scene. None for fewer than two n."""
+    """Draws CPU seconds for a unit of simulated time against n, a panel a scene. None for fewer than two n."""
     sizes = {scene: {n for each, n in study.problems if each == scene} for scene in SCENES}
     scenes = [scene for scene in SCENES if len(sizes[scene]) > 1]
     if not scenes:
@@ -46,13 +46,13 @@ def time_against_n(study):
         for each, points in lines.items():
             label, colour, style = DRAWN[each]
             for stretch in unbroken(points):
-                line = [(n, 1e3 * row.seconds / study.problems[scene, n].time) for n, row in stretch]
+                line = [(n, row.seconds / study.problems[scene, n].time) for n, row in stretch]
                 draw_line(axes, label, line, color=colour, **style)
             ends[-1].append((line[-1], label, colour))
         label_sizes([axes], sizes[scene])
     for axes, found in zip(panels, ends):
         label_ends(axes, found, in_one_column=True)
-    panels[0].set_ylabel("CPU milliseconds for a unit of simulated time")
+    panels[0].set_ylabel("CPU seconds for a unit of simulated time")
     note(figure, "Practice and quflow: isospectral midpoint, h = ħ/4, tolerance 1e-8 and quflow's default. Others: the"
          " cheapest method of a class at a tenth of the practice's error, at the tolerance that it needs; Gauss methods"
          f" keep the spectrum to their tolerance. {KEEPING}", study.context)

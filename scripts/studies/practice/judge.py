@@ -7,7 +7,7 @@ from lib.judging.verdicts import fastest, ratio_of
 from lib.records.formats import number, one_of, optional, positive, text, truth, whole
 from lib.records.integrators import EXPONENTIAL, GAUSS, KEPT, MAGNUS, RKMK, is_new
 from lib.records.settings import ENERGY_BOUNDED, keeps
-from studies.practice.schema import METHOD, ROLES, SCENES, WANTED, finite_or_none
+from studies.practice.schema import METHOD, PRACTICE, QUFLOW, ROLES, SCENES, WANTED, finite_or_none
 
 NOTHING, SPECTRUM, POISSON = KEPT
 
@@ -45,6 +45,8 @@ class Result(NamedTuple):
     is_bounded: truth  # whether it runs at the tolerance at which the energy stays bounded
     steps: optional(whole(1)) = None
     step: optional(positive) = None
+    step_over_practice: optional(positive) = None
+    scaled_step: optional(positive) = None  # h‖ad_B‖₂ at the start, as methods see it; none of practice and quflow
     error: optional(number) = None
     energy_error: optional(number) = None
     spectrum_error: optional(number) = None
@@ -130,10 +132,16 @@ def result(study, key, row):
     if row.steps is None:
         return told
     return told._replace(
-        steps=row.steps, step=time / row.steps, error=row.error, energy_error=row.energy_error,
-        spectrum_error=row.spectrum_error, sweeps=row.sweeps / row.steps, products=row.products, capped=row.capped,
-        seconds=row.seconds / time, **gains("practice", study.practice(key), row),
-        **gains("quflow", study.quflow(key), row))
+        steps=row.steps, step=time / row.steps, step_over_practice=study.practice(key).steps / row.steps,
+        scaled_step=scaled_step(study, key, row), error=row.error,
+        energy_error=row.energy_error, spectrum_error=row.spectrum_error, sweeps=row.sweeps / row.steps,
+        products=row.products, capped=row.capped, seconds=row.seconds / time,
+        **gains("practice", study.practice(key), row), **gains("quflow", study.quflow(key), row))
+
+
+def scaled_step(study, key, row):
+    problem = study.problems[key]
+    return problem.time / row.steps * problem.norm_ad_B if row.role == METHOD else None
 
 
 def gains(name, other, row):
@@ -147,8 +155,8 @@ def gains(name, other, row):
 
 # ---- figures for pages
 
-NUMBERS = ("steps", "step", "error", "energy_error", "spectrum_error", "capped", *(
-    f"gain_over_{other}{end}" for other in ("practice", "quflow") for end in ("", "_low", "_high")))
+NUMBERS = ("steps", "step", "step_over_practice", "scaled_step", "seconds", "error", "energy_error", "spectrum_error",
+           "capped", *(f"gain_over_{other}{end}" for other in (PRACTICE, QUFLOW) for end in ("", "_low", "_high")))
 
 
 def figures(found):
@@ -156,8 +164,8 @@ def figures(found):
 
     SCENE.nN.practice.* and SCENE.nN.quflow.* are of the practice and of quflow's own step. SCENE.nN.WANTED.WHO.* are of
     a method, or of the cheapest of a group: WANTED is same or tenth, WHO a group or an integrator, with _bounded behind
-    it at the tolerance of bounded energy. Each has ms, of CPU time for a unit of simulated time, and what NUMBERS
-    names: gain_over_quflow is how many times as long quflow takes. SCENE.nN.threads.NAME.pP.gain is of P threads.
+    it at the tolerance of bounded energy. Each has what NUMBERS names: seconds of CPU time for a unit of simulated
+    time, and gain_over_quflow, how many times as long quflow takes. SCENE.nN.threads.NAME.pP.gain is of P threads.
     """
     told = {}
     rows = {(row.scene, row.n, row.role, row.wanted, row.integrator, row.tolerance): row for row in found.results}
@@ -171,11 +179,10 @@ def figures(found):
         key = f"{each.scene}.n{each.n}.threads.{each.integrator}.p{each.threads}"
         told.update({f"{key}.{name}": value for name in ("gain", "gain_low", "gain_high")
                      if (value := getattr(each, name)) is not None})
-        told[f"{key}.ms"] = 1e3 * each.seconds
+        told[f"{key}.seconds"] = each.seconds
     return told
 
 
 def put(told, key, row):
     if row.seconds is not None:
-        told[f"{key}.ms"] = 1e3 * row.seconds
         told.update({f"{key}.{name}": value for name in NUMBERS if (value := getattr(row, name)) is not None})

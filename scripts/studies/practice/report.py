@@ -26,7 +26,7 @@ def sections(study, found, charts):
         *shown(CHARTS, charts),
         Heading("The cheapest method at a tenth of the practice's error"),
         Paragraph("Of all methods, of those that keep the spectrum, and of Lie–Poisson methods at a tolerance that"
-                  " bounds the energy. Times are CPU milliseconds for a unit of simulated time. Gain: how many times as"
+                  " bounds the energy. Times are CPU seconds for a unit of simulated time. Gain: how many times as"
                   f" long the practice and quflow take, with {LEVEL:.0%} intervals over processes; both take the step"
                   " ħ/4 and have ten times the error."),
         leaders_table(study, found, results),
@@ -96,11 +96,11 @@ def name_of(row):
 def cost_cells(row):
     if row.seconds is None:
         return ["not reached", *[MISSING] * 5]
-    return [str(row.steps), f"{row.step:.3g}", two_digits(row.products), three_digits(1e3 * row.seconds),
+    return [str(row.steps), f"{row.step:.3g}", two_digits(row.products), three_digits(row.seconds),
             gain_text(row, PRACTICE), gain_text(row, QUFLOW)]
 
 
-COST_COLUMNS = (Column("steps"), Column("h"), Column("products"), Column("ms a unit"), Column("gain over practice"),
+COST_COLUMNS = (Column("steps"), Column("h"), Column("products"), Column("s a unit"), Column("gain over practice"),
                 Column("gain over quflow"))
 
 
@@ -166,12 +166,12 @@ def thread_parts(study, found):
     if not study.threads:
         return [Paragraph("Nothing was timed by threads: the study had one core only, or no problem for it.")]
     rows = [[each.scene, str(each.n), each.integrator, power(each.tolerance), str(each.threads),
-             three_digits(1e3 * each.seconds), with_interval(each.gain, each.gain_low, each.gain_high)]
+             three_digits(each.seconds), with_interval(each.gain, each.gain_low, each.gain_high)]
             for each in found.threads]
     return [Paragraph(f"Seconds that pass for fast forms at a tenth of the practice's error, on {study.settings.cores}"
                       " cores; gain over one thread."),
             plain_table((Column("scene", align="left"), Column("n"), Column("integrator", align="left"),
-                         Column("tolerance"), Column("threads"), Column("ms a unit"), Column("gain")), rows)]
+                         Column("tolerance"), Column("threads"), Column("s a unit"), Column("gain")), rows)]
 
 
 def reference_parts(study):
