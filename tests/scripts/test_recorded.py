@@ -131,7 +131,8 @@ class Pages(unittest.TestCase):
 
     def test_pages_read_well_raw(self):
         """README.md is short; no line of prose is long, and comments only mark the example that a test compiles."""
-        for page, longest in (("README.md", 120), (os.path.join("results", "README.md"), 260)):
+        for page, longest in (("README.md", 120), (os.path.join("results", "README.md"), 260),
+                              (os.path.join("results", "simulate.md"), 100)):
             self.assertEqual(too_long(text(page), longest), [], page)
             self.assertEqual(set(re.findall(r"<!--.*?-->", text(page))) - EXAMPLE, set(), page)
             self.assertEqual(too_long(text(page), 30), ["more than 30 lines"])
