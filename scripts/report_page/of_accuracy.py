@@ -3,7 +3,6 @@
 from lib.pages.chart_panels import FORMULATION_COLOURS, colour_and_size
 from lib.pages.integrate_line import integrate_line, start_of
 from lib.pages.numbers import power
-from lib.records.formats import FAST, PUBLISHED
 from lib.records.integrators import GAUSS, KEPT
 from lib.records.settings import keeps
 from report_page.charts import KEEPING, Axis, Chart, Column, Option, Selector, as_plotly, mark_of, options_of
@@ -94,7 +93,7 @@ def kept(accuracy, longruns):
     if longruns:
         integrators.update(longruns.integrators)
         found += [(point, f"{point.scene}, long runs",
-                   FAST if longruns.integrators[point.integrator].has_fast_form else PUBLISHED,
+                   longruns.integrators[point.integrator].best_form,
                    point.equivalent_products)
                   for line in longruns.lines.values() for point in line if point.usable]
     runs = [run for run, *_ in found]

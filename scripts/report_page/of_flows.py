@@ -1,8 +1,8 @@
 """Turbulence: energies of one flow by degree, from the study fluid, and what statistics cost, from turbulence."""
 
 from lib.pages.integrate_line import integrate_line, start_of_code
-from lib.records.formats import FAST, PUBLISHED
 from lib.records.integrators import KEPT, name_with_order
+from lib.records.settings import steps_to
 from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly, look_of, options_of
 from report_page.of_accuracy import marked
 from studies.fluid.charts import START_COLOUR
@@ -16,10 +16,6 @@ def start_at(n, sample):
     return start_of_code(f"drawn_n{n}_{sample}", IMPORTS, DRAWN_STATE.format(n, sample))
 
 
-def solver_of(integrator):
-    return FAST if integrator.has_fast_form else PUBLISHED
-
-
 def spectra(fluid):
     """Returns the Chart of the energy of each degree l, at the start and at the end by each method."""
     n, sample = fluid.settings.n, fluid.settings.sample
@@ -28,7 +24,7 @@ def spectra(fluid):
     for name, end in fluid.ends.items():
         integrator = fluid.integrators[name]
         states.append((name_with_order(integrator), end, end.energies, integrate_line(
-            start, n, name, end.step, end.time, end.tolerance, solver_of(integrator))))
+            start, n, name, end.step, end.time, end.tolerance, integrator.best_form)))
     rows = [(label, end, degree, energy / total, line) for label, end, energies, line in states
             for degree, energy in enumerate(energies, 1) if energy / total > SMALLEST]
     looks = {START: as_plotly({"color": START_COLOUR})}
@@ -76,7 +72,7 @@ def statistics(study, found):
         {name_with_order(study.integrators[name]): marked(study.integrators[name], place)
          for place, name in enumerate(methods)},
         [integrate_line(start_at(row.n, 0), row.n, row.integrator, row.step, time_of(study, row), row.tolerance,
-                        solver_of(study.integrators[row.integrator])) for row in rows],
+                        study.integrators[row.integrator].best_form) for row in rows],
         band=(None, 1.0),
         note="A mark is a method with a step, over all samples; its command runs the first sample. Shaded: within"
              " chance of the reference. Faithful: there, with energy and enstrophy kept to 1 %. Baseline: isospectral"
@@ -85,5 +81,4 @@ def statistics(study, found):
 
 def time_of(study, row):
     """Returns the time of a run, of the fewest steps that reach T."""
-    steps = -(-study.sizes[row.n].time // row.step)
-    return steps * row.step
+    return steps_to(study.sizes[row.n].time, row.step) * row.step

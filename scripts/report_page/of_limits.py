@@ -1,11 +1,9 @@
 """Where methods fail: from the study of limits, the critical step against n, and of one method every step tried."""
 
-import math
-
 from lib.pages.integrate_line import integrate_line, start_of
 from lib.records.formats import CONVERGED, SWEEP_CAP
 from lib.records.integrators import chosen, name_with_order
-from lib.records.settings import TIGHT
+from lib.records.settings import TIGHT, steps_to
 from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly, look_of, options_of
 from studies.limits.charts import DRAWN
 
@@ -52,7 +50,7 @@ def steps_of(study, key, h):
     """Returns how many steps a short trial takes."""
     settings, integrator = study.settings, study.integrators[key[3]]
     fewest = settings.explicit_steps if integrator.explicit else settings.implicit_steps
-    return max(fewest, math.ceil(settings.time / h * (1 - 1e-12)))
+    return max(fewest, steps_to(settings.time, h))
 
 
 def critical_rows(study):

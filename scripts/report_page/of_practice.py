@@ -1,10 +1,9 @@
 """What people run, and what reaches a tenth of its error for less: from the study of practice."""
 
 from lib.pages.integrate_line import integrate_line, start_of, start_of_code
-from lib.records.formats import FAST, PUBLISHED
 from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly, options_of
 from studies.practice.charts import DRAWN
-from studies.practice.judge import findings
+from studies.practice.judge import findings, leading_results
 from studies.practice.schema import AT_PRACTICE, AT_TENTH, METHOD, QUFLOW, TURBULENCE
 
 ERRORS = (Option("a tenth of the practice's error", AT_TENTH), Option("the practice's error", AT_PRACTICE))
@@ -14,10 +13,7 @@ IMPORTS, DEVELOPED = "from studies.practice.single_runs import develop", "develo
 def practice(study):
     """Returns the Chart of CPU time for a unit of simulated time against n: the practice, and the best of classes."""
     found = findings(study)
-    results = {(row.scene, row.n, row.wanted, row.integrator, row.tolerance): row for row in found.results
-               if row.role == METHOD}
-    leaders = [(each.group, each.wanted, results[each.scene, each.n, each.wanted, each.integrator, each.tolerance])
-               for each in found.leaders if each.group in DRAWN]
+    leaders = [(each.group, each.wanted, row) for each, row in leading_results(found) if each.group in DRAWN]
     own = [(row.role, option.value, row) for row in found.results if row.role != METHOD for option in ERRORS]
     rows = sorted(((wanted, DRAWN[group][0], row) for group, wanted, row in (*own, *leaders)),
                   key=lambda each: each[2].n)
@@ -55,9 +51,8 @@ def line_of(study, row):
         return ""
     start = (start_of_code(f"turbulence_n{row.n}", IMPORTS, DEVELOPED.format(row.n)) if row.scene == TURBULENCE
              else start_of(row.scene, row.n))
-    solver = FAST if study.integrators[row.integrator].has_fast_form else PUBLISHED
     return integrate_line(start, row.n, row.integrator, row.step, study.problems[row.scene, row.n].time,
-                          row.tolerance, solver)
+                          row.tolerance, study.integrators[row.integrator].best_form)
 
 
 def sizes_text(study):

@@ -25,6 +25,7 @@ from studies.turbulence import (against_reference, charts as turbulence_chart, j
                                 statistics as turbulence_statistics)
 from lib.pages.document import as_markdown
 from lib.records.formats import CONVERGED, UNSTABLE
+from lib.records.settings import steps_to
 from studies.turbulence.schema import (FAR, LOOSE, METHOD, BASELINE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
                                        Size, bands_of, read_turbulence)
 from studies.turbulence.statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
@@ -167,9 +168,9 @@ class Runs(unittest.TestCase):
         self.assertEqual(len(watch.bands), 1)
 
     def test_steps_reach_the_time(self):
-        self.assertEqual(turbulence_runs.steps_of({"step": 0.1, "time": 1000.0}), 10000)
-        self.assertEqual(turbulence_runs.steps_of({"step": 0.3, "time": 1.0}), 4)
-        self.assertEqual(against_reference.steps_to(1000.0, 0.1), 10000)
+        self.assertEqual(steps_to(1000.0, 0.1), 10000)
+        self.assertEqual(steps_to(1.0, 0.3), 4)
+        self.assertEqual(steps_to(999.0, 0.75), 1332)
 
     def test_the_reference_converges(self):
         errors = [turbulence_runs.converge({**SHORT, "step": step}) for step in (1.0, 0.5)]

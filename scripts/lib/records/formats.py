@@ -192,6 +192,11 @@ class Integrator(NamedTuple):
     projected: truth  # projects onto the spectrum
     spectrum_at_any_tolerance: truth  # keeps it to rounding; other isospectral methods to the tolerance
 
+    @property
+    def best_form(self):
+        """Returns FAST where it has a fast form, else PUBLISHED."""
+        return FAST if self.has_fast_form else PUBLISHED
+
     def keeps(self, structure):
         """Tells whether it keeps "nothing" (always), the "spectrum", or the Lie–"poisson" structure."""
         return {"nothing": True, "spectrum": self.isospectral, "poisson": self.lie_poisson}[structure]

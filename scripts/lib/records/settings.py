@@ -28,6 +28,11 @@ class Problem(NamedTuple):
         return f"{self.scene}, T = {self.time:g}, n = {self.n}"
 
 
+def steps_to(time, step):
+    """Returns the least number of steps that reach a time; a step that divides it but for rounding does."""
+    return math.ceil(time / step * (1 - 1e-12))
+
+
 def keeps(integrator, tolerance, structure):
     """Tells whether an Integrator keeps a structure at a tolerance."""
     maximum = {"nothing": math.inf, "spectrum": math.inf if integrator.spectrum_at_any_tolerance else TIGHT,

@@ -9,7 +9,7 @@ from lib.programs import chart_python
 from lib.programs.command_line import Stop
 from lib.programs.messages import one_line
 from lib.programs.places import BUILD, MODULE
-from lib.records.formats import FAST, PUBLISHED, Integrator
+from lib.records.formats import Integrator
 
 
 def require_module(program, modules=("isosyrk", "numpy", "tqdm")):
@@ -60,4 +60,4 @@ def entries(names, frames=False):
 
 def solver_of(name):
     """Returns the solver of the best form of an integrator: fast where there is one."""
-    return FAST if integrators()[name].has_fast_form else PUBLISHED
+    return integrators()[name].best_form

@@ -11,6 +11,7 @@ import isosyrk
 import numpy
 
 from lib.records.formats import CONVERGED, LARGEST, NOT_FINITE, UNSTABLE_ENERGY, UNSTABLE_SPECTRUM
+from lib.records.settings import steps_to
 from lib.running import built
 
 TIME = 5.0  # a short trial lasts so long at least,
@@ -98,7 +99,7 @@ class Method:
 
 def short_steps(h, explicit):
     """Returns the number of steps of a short trial: TIME at least, and MIN_STEPS at least."""
-    return max(math.ceil(TIME / h * (1 - 1e-12)), MIN_STEPS[explicit])
+    return max(steps_to(TIME, h), MIN_STEPS[explicit])
 
 
 def long_steps(h, explicit):

@@ -4,7 +4,6 @@ import math
 
 from lib.pages.chart_panels import KEEPING, draw_line, label_ends, label_sizes, logarithmic, look, new_figure, note
 from lib.pages.numbers import three_digits
-from lib.records.formats import FAST, PUBLISHED
 from lib.records.integrators import chosen, name_with_order
 
 # Fast forms, in the co-rotating frame where the list has them there. New integrators are added, in published form where
@@ -55,7 +54,7 @@ def sizes_of(lines):
 
 def line_of(study, scene, integrator):
     """Returns (n, critical h‖B‖₂), n rising, where a step failed."""
-    solver = FAST if integrator.has_fast_form else PUBLISHED
+    solver = integrator.best_form
     points = [(n, study.own(solver, scene, n, integrator.name)) for n in study.sizes(solver)]
     return [(n, value) for n, value in points if value]
 

@@ -140,6 +140,7 @@ def result(study, key, row):
 
 
 def scaled_step(study, key, row):
+    """Returns h‖ad_B‖₂ of a method, None of the practice and of quflow, which see the flow outside the frame."""
     problem = study.problems[key]
     return problem.time / row.steps * problem.norm_ad_B if row.role == METHOD else None
 
@@ -151,6 +152,14 @@ def gains(name, other, row):
     found = ratio_of(other.cpu_seconds, row.cpu_seconds)
     return {f"gain_over_{name}": found.ratio, f"gain_over_{name}_low": found.low or None,
             f"gain_over_{name}_high": finite_or_none(found.high)}
+
+
+def leading_results(found):
+    """Yields each Leader of Findings with its Result."""
+    rows = {(row.scene, row.n, row.wanted, row.integrator, row.tolerance): row for row in found.results
+            if row.role == METHOD}
+    for each in found.leaders:
+        yield each, rows[each.scene, each.n, each.wanted, each.integrator, each.tolerance]
 
 
 # ---- figures for pages
@@ -168,13 +177,11 @@ def figures(found):
     time, and gain_over_quflow, how many times as long quflow takes. SCENE.nN.threads.NAME.pP.gain is of P threads.
     """
     told = {}
-    rows = {(row.scene, row.n, row.role, row.wanted, row.integrator, row.tolerance): row for row in found.results}
     for row in found.results:
         key = f"{row.scene}.n{row.n}"
         put(told, f"{key}.{row.wanted}.{row.method}" if row.role == METHOD else f"{key}.{row.role}", row)
-    for each in found.leaders:
-        put(told, f"{each.scene}.n{each.n}.{each.wanted}.{each.group}",
-            rows[each.scene, each.n, METHOD, each.wanted, each.integrator, each.tolerance])
+    for each, row in leading_results(found):
+        put(told, f"{each.scene}.n{each.n}.{each.wanted}.{each.group}", row)
     for each in found.threads:
         key = f"{each.scene}.n{each.n}.threads.{each.integrator}.p{each.threads}"
         told.update({f"{key}.{name}": value for name in ("gain", "gain_low", "gain_high")

@@ -4,8 +4,7 @@ import os
 
 from lib.programs.places import ROOT
 from lib.records.findings import FILE, read_findings
-from studies.practice.judge import BEST, NOTHING, Findings
-from studies.practice.schema import METHOD
+from studies.practice.judge import BEST, NOTHING, Findings, leading_results
 
 RECORDED = os.path.join(ROOT, "results", "recorded", "practice", FILE)
 
@@ -17,10 +16,7 @@ def recorded_runs(scene, n, keep, path=None):
     """
     group = BEST if keep == NOTHING else keep
     found = read_findings(path or RECORDED, "practice", Findings)
-    rows = {(row.scene, row.n, row.wanted, row.integrator, row.tolerance): row for row in found.results
-            if row.role == METHOD}
-    told = [rows[each.scene, each.n, each.wanted, each.integrator, each.tolerance] for each in found.leaders
-            if (each.scene, each.n, each.group) == (scene, n, group)]
+    told = [row for each, row in leading_results(found) if (each.scene, each.n, each.group) == (scene, n, group)]
     parts = [f"{row.integrator} (tolerance {row.tolerance:g}, h = {row.step:.3g}) an error of {row.error:.1e} for"
              f" {row.seconds:.2g} s a unit of time" for row in told]
     if not told:

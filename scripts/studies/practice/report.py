@@ -6,7 +6,7 @@ from lib.pages.numbers import MISSING, power, scientific, span, three_digits, tw
 from lib.pages.rendering import Rendering
 from lib.records.findings import FILE, as_json
 from lib.records.integrators import GAUSS, KEPT
-from studies.practice.judge import BEST, BY_STRUCTURE, NOTHING, POISSON, SPECTRUM, figures, findings
+from studies.practice.judge import BEST, BY_STRUCTURE, NOTHING, POISSON, SPECTRUM, figures, findings, leading_results
 from studies.practice.schema import (AT_PRACTICE, AT_TENTH, BASELINE_TOLERANCE, METHOD, PRACTICE, QUFLOW, TURBULENCE,
                                      read_practice)
 
@@ -29,7 +29,7 @@ def sections(study, found, charts):
                   " bounds the energy. Times are CPU seconds for a unit of simulated time. Gain: how many times as"
                   f" long the practice and quflow take, with {LEVEL:.0%} intervals over processes; both take the step"
                   " ħ/4 and have ten times the error."),
-        leaders_table(study, found, results),
+        leaders_table(study, found),
         *(part for key in study.problems for part in problem_parts(study, key, results[key])),
         Heading("Threads"),
         *thread_parts(study, found),
@@ -55,10 +55,7 @@ def quflow_text(study):
 
 def answer_text(found):
     """Says what the best methods gain at a tenth of the practice's error."""
-    rows = {(row.scene, row.n, row.integrator, row.tolerance): row for row in found.results
-            if row.role == METHOD and row.wanted == AT_TENTH}
-    best = [rows[each.scene, each.n, each.integrator, each.tolerance] for each in found.leaders
-            if (each.wanted, each.group) == (AT_TENTH, BEST)]
+    best = [row for each, row in leading_results(found) if (each.wanted, each.group) == (AT_TENTH, BEST)]
     if not best:
         return "No method reaches a tenth of its error."
     text = f"The practice takes {gain_span(best, PRACTICE)} times as long as the best method for a tenth of its error"
@@ -104,14 +101,13 @@ COST_COLUMNS = (Column("steps"), Column("h"), Column("products"), Column("s a un
                 Column("gain over quflow"))
 
 
-def leaders_table(study, found, results):
-    leaders = {(each.scene, each.n, each.group): each for each in found.leaders if each.wanted == AT_TENTH}
+def leaders_table(study, found):
+    leaders = {(each.scene, each.n, each.group): row for each, row in leading_results(found)
+               if each.wanted == AT_TENTH}
     rows = []
     for key, problem in study.problems.items():
         for group in BY_STRUCTURE:
-            each = leaders.get((*key, group))
-            row = each and next(row for row in results[key] if row.role == METHOD and row.wanted == AT_TENTH and (
-                row.integrator, row.tolerance) == (each.integrator, each.tolerance))
+            row = leaders.get((*key, group))
             cells = [row.integrator, tolerance_text(row), *cost_cells(row)] if row else [MISSING] * 8
             rows.append([key[0], str(key[1]), f"{problem.time:g}", KEEPING[group], *cells])
     return plain_table((Column("scene", align="left"), Column("n"), Column("T"), Column("keeps", align="left"),

@@ -1,12 +1,12 @@
 """Each setting of the study `turbulence`, judged against the reference at its n."""
 
-import math
 import statistics
 from typing import NamedTuple, Optional, Tuple
 
 import numpy
 
 from lib.records.integrators import KEPT, strongest_structure
+from lib.records.settings import steps_to
 from lib.judging import verdicts
 from studies.turbulence.schema import BASELINE, Ensemble, Quantity, bands_of
 from studies.turbulence.statistics import Reference, Spreads, drifts_of, false_positives, reference_of, spreads_of
@@ -155,11 +155,6 @@ def judged_of(study, n, ensemble, quantities, reference):
                    spectrum_error=max(run.spectrum_error for run in ensemble.runs), times=times)
     within = len(ensemble.runs) >= verdicts.FEWEST and found.distance <= reference.threshold
     return found._replace(within_chance=within, faithful=within and found.conserves)
-
-
-def steps_to(time, step):
-    """Returns the least number of steps that reach a time."""
-    return math.ceil(time / step * (1 - 1e-12))
 
 
 def methods_of(found):

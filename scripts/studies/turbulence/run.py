@@ -18,12 +18,12 @@ import numpy
 
 from lib.programs.command_line import whole_number
 from lib.records import formats
+from lib.records.settings import steps_to
 from lib.judging import verdicts
 from lib.running import built, program, timed, untimed
 from lib.running.checkpoint import Checkpoint
 from lib.running.problems import decoded
 from studies.turbulence import single_runs as runs
-from studies.turbulence.against_reference import steps_to
 from studies.turbulence.plan import QUICK_SIZES, REFERENCE_METHOD, SIZES, names_of, plan_of, settings_of, sizes_of
 from studies.turbulence.schema import FAR, BASELINE_INTEGRATOR, REFERENCE, SCHEMA, Cost, RunRow, Settings, Size
 

@@ -10,6 +10,7 @@ import isosyrk
 import numpy
 
 from lib.records.formats import CONVERGED, UNSTABLE, to_digits
+from lib.records.settings import steps_to
 from lib.running import built, trials
 from lib.running.initial_states import modes_of_sizes
 from lib.running.problems import encoded
@@ -153,7 +154,7 @@ def carry_out(job):
     """
     scene, W0 = begun(job)
     h = job["step"]
-    steps, every = steps_of(job), max(1, round(SAMPLE_TIME / h))
+    steps, every = steps_to(job["time"], job["step"]), max(1, round(SAMPLE_TIME / h))
     watch = Averages(scene, W0, steps / 2)
     with numpy.errstate(all="ignore"):
         W, report, status, _ = trials.run(method_of(job, scene), W0, h, steps, watch, every)
@@ -165,11 +166,6 @@ def carry_out(job):
     return {"status": status, "time": recorded(report.steps * h), "products": recorded(products),
             "energy_error": error_of(watch.energy_error), "spectrum_error": error_of(spectrum_error),
             **(watch.means(every * h) if status == CONVERGED else dict.fromkeys(averages))}
-
-
-def steps_of(job):
-    """Returns the least number of steps that reach T."""
-    return math.ceil(job["time"] / job["step"] * (1 - 1e-12))
 
 
 def recorded(value, digits=DIGITS):
