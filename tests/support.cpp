@@ -292,15 +292,17 @@ double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
     return RealMatrix(
         to_coordinates.lazyProduct(lower).eval().lazyProduct(to_coordinates.transpose()));
   };
-  // Fourth-order differences: error delta^4, rounding 1e-13 / delta.
-  const double delta = 1e-4;
+  // Sixth-order differences: error delta^6, rounding 1e-15 / delta and what a projection adds.
+  const double delta = 1e-3;
   RealMatrix derivative(size, size);
   for (Index b = 0; b < size; ++b) {
-    const auto shifted = [&](double amount) {
-      return integrated(integrator, W0 + amount * delta * element(b), h, 1);
+    const auto central = [&](double amount) {
+      const auto shifted = [&](double by) {
+        return integrated(integrator, W0 + by * delta * element(b), h, 1);
+      };
+      return Matrix(shifted(amount) - shifted(-amount));
     };
-    const Matrix slope =
-        (8.0 * (shifted(1.0) - shifted(-1.0)) - (shifted(2.0) - shifted(-2.0))) / (12.0 * delta);
+    const Matrix slope = (45.0 * central(1.0) - 9.0 * central(2.0) + central(3.0)) / (60.0 * delta);
     RealVector pairings(size);
     for (Index a = 0; a < size; ++a) pairings(a) = pairing(element(a), slope);
     derivative.col(b) = to_coordinates * pairings;
