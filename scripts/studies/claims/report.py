@@ -78,11 +78,12 @@ def sections(evidence):
         Paragraph("Each claim against the codes it was looked at in. What it means is said in results/README.md. Time"
                   " ratios: for (a) and (b) the fastest other row over the row that is said to be fastest, for (c)"
                   " algebra over the fastest other; range over n, in brackets that of the 95 % intervals. Exponentials:"
-                  " the paper speaks of the methods of Bogfjellmo and Marthinsen, which were not run. Ours are other"
-                  " methods; their ratio is Gauss over the exponential method at equal error. Parallel: the fastest"
-                  " other formulation over algebra, range over n and s. Order: of the cheapest setting, undecided with"
-                  f" fewer than {FEWEST} samples. Fast forms, plain sweeps: Picard sweeps from a cold start on full"
-                  " matrices. The paper's column has ratios of its printed seconds only."),
+                  " the paper speaks of the methods of Bogfjellmo and Marthinsen; their ratio is theirs over Gauss, in"
+                  " published code at equal error. Ours are other methods; their ratio is Gauss over the exponential"
+                  " method at equal error. Parallel: the fastest other formulation over algebra, range over n and s."
+                  f" Order: of the cheapest setting, undecided with fewer than {FEWEST} samples. Fast forms, plain"
+                  " sweeps: Picard sweeps from a cold start on full matrices. The paper's column has ratios of its"
+                  " printed seconds only."),
         *processor_sections(evidence.processors()),
         judge.claims_table(evidence.rows()),
         *(octave_sections(study, evidence.published) if study.tables["octave"] else []),
