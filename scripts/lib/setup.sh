@@ -32,10 +32,10 @@ die() {  # die CODE MESSAGE
 
 # missing_packages PACKAGE ...: those that are not installed.
 missing_packages() {
-  local package
+  local package found
+  found=$(dpkg-query --show --showformat='${Package} ${Status}\n' "$@" 2>/dev/null) || true  # one is not known
   for package in "$@"; do
-    dpkg-query --show --showformat='${Status}\n' "$package" 2>/dev/null |
-      grep -q '^install ok installed$' || printf '%s\n' "$package"
+    [[ $'\n'$found$'\n' = *$'\n'"$package install ok installed"$'\n'* ]] || printf '%s\n' "$package"
   done
 }
 

@@ -35,10 +35,15 @@ CORES = len(os.sched_getaffinity(0))
 STAND_INS = {
     # Knows every package but those in $MISSING, and of $REMOVED only the configuration.
     "dpkg-query": """
-for package; do :; done
-case " $MISSING " in *" $package "*) echo "dpkg-query: no packages found matching $package" >&2; exit 1 ;; esac
-case " $REMOVED " in *" $package "*) echo "deinstall ok config-files"; exit 0 ;; esac
-echo "install ok installed"
+status=0
+for package; do
+  case " $MISSING : $REMOVED " in
+    *" $package "*:*) echo "dpkg-query: no packages found matching $package" >&2; status=1 ;;
+    *:*" $package "*) echo "$package deinstall ok config-files" ;;
+    *) echo "$package install ok installed" ;;
+  esac
+done
+exit $status
 """,
     # As sudo does unless told otherwise, it passes on hardly anything of the environment.
     "sudo": """
