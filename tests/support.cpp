@@ -296,12 +296,10 @@ double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
   const double delta = 1e-3;
   RealMatrix derivative(size, size);
   for (Index b = 0; b < size; ++b) {
-    const auto central = [&](double amount) {
-      const auto shifted = [&](double by) {
-        return integrated(integrator, W0 + by * delta * element(b), h, 1);
-      };
-      return Matrix(shifted(amount) - shifted(-amount));
+    const auto shifted = [&](double amount) {
+      return integrated(integrator, W0 + amount * delta * element(b), h, 1);
     };
+    const auto central = [&](double amount) { return Matrix(shifted(amount) - shifted(-amount)); };
     const Matrix slope = (45.0 * central(1.0) - 9.0 * central(2.0) + central(3.0)) / (60.0 * delta);
     RealVector pairings(size);
     for (Index a = 0; a < size; ++a) pairings(a) = pairing(element(a), slope);

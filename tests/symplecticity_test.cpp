@@ -45,8 +45,8 @@ std::vector<SmallAlgebra> small_algebras() {
       so4()};
 }
 
-// The differences of poisson_map_defect leave at most 5e-12; the
-// tolerance leaves nothing beside them.
+// The differences of poisson_map_defect leave at most 5e-12; the tolerance leaves nothing beside
+// them.
 constexpr double kept = 1e-10;
 constexpr double lost = 1000.0 * kept;
 constexpr double tolerance = 1e-15;
