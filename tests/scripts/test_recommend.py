@@ -402,7 +402,8 @@ class Trials(FolderTest):
 
         for budget in (2, 4, 8, 16):  # a slow or busy machine finishes no trial run in the least
             before = used()
-            result = self.trials("--n", "65", "--modes", self.MODES, "--time", "1600", "--json", budget=budget)
+            time = str(1600 * budget)
+            result = self.trials("--n", "65", "--modes", self.MODES, "--time", time, "--json", budget=budget)
             self.assertLess(used() - before, budget + 2)  # and the start of two Pythons
             if result.returncode == 0:
                 break
