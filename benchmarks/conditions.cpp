@@ -18,16 +18,27 @@ extern "C" char** environ;  // NOLINT(readability-redundant-declaration)
 namespace isosyrk {
 namespace {
 
+constexpr const char* unknown = "unknown";
+
 std::string cpu_info(std::string_view field) {
   std::ifstream info("/proc/cpuinfo");
   std::string line;
   while (std::getline(info, line)) {
-    if (line.starts_with(field)) {
-      const auto colon = line.find(": ");
-      return colon == std::string::npos ? "" : line.substr(colon + 2);
-    }
+    const auto colon = line.find(':');
+    if (!line.starts_with(field) || line.find_first_not_of(" \t", field.size()) != colon) continue;
+    return colon + 2 < line.size() ? line.substr(colon + 2) : "";
   }
-  return "unknown";
+  return unknown;
+}
+
+// Its name, which a virtual machine may give to processors that differ, and what tells those apart.
+std::string processor() {
+  std::string found = cpu_info("model name");
+  for (const std::string_view field : {"cpu family", "model", "stepping"}) {
+    if (const std::string value = cpu_info(field); value != unknown)
+      found += fmt::format(", {} {}", field, value);
+  }
+  return found;
 }
 
 bool cpu_has(std::string_view flag) {
@@ -128,7 +139,7 @@ Conditions machine_conditions(const std::string& program, BackendChoice choice,
       {"compiler", build_info::compiler},
       {"flags", build_info::flags},
       {"build_type", build_info::build_type},
-      {"cpu", cpu_info("model name")},
+      {"cpu", processor()},
       {"vector_units", vector_units()},
       {"load_average", load_average()},
       {"blas_library", openblas_get_config()},
