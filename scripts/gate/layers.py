@@ -137,7 +137,7 @@ def exact_layer(baseline, head, base, names, why_none=None):
     if not recorded:
         layer.not_judged = (why_not_compared(head, base) if base
                             else f"these are not the recorded kernels, and {why_none}")
-        layer.notes.append(f"not the recorded kernels ({in_words(baseline.rounding)}): "
+        layer.notes.append(f"not the recorded kernels ({in_words(baseline.rounding)}, on {baseline.rounding['cpu']}): "
                            + (f"head is counted against base, within what rounding moves in {OTHER_ROUNDINGS + 1} runs"
                               f" of a cell" if not layer.not_judged else "no sweeps, products or Poisson solves"))
     compares = not layer.not_judged
