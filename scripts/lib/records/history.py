@@ -1,7 +1,8 @@
 """The history of a benchmark: a file with one line of JSON for each run, which only grows.
 
     {"format": "isosyrk history 1", "program": "table1", "date": "2026-11-28T20:00:00+00:00", "commit": "0123456789ab",
-     "dirty": "no", "cpu": "AMD EPYC", "kernels": "OpenBLAS Zen, split products avx2",
+     "dirty": "no", "cpu": "AMD EPYC, cpu family 25, model 1, stepping 1",
+     "kernels": "OpenBLAS Zen, split products avx2",
      "ratios": [{"what": "algebra over group, s = 3, n = 129", "ratio": 2.1, "low": 2.0, "high": 2.2}, ...]}
 
 Ratios compare times of one run with each other. Nothing is said of times on two processors. Standard library only.
