@@ -14,7 +14,7 @@ from lib.programs.messages import UnusableFile
 from lib.programs.command_line import Stop
 from gate.cells import (FAST, ROUNDING, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build, report_of,
                         write_baseline)
-from gate_documents import build_document, cell_of, change, with_other_roundings
+from gate_documents import CONTEXT, build_document, cell_of, change, with_other_roundings
 from gate.layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, answer_bound, exact_layer, exit_code
 from gate.timing import FULL, QUICK, Server, is_slower, judge_times, steps_of, time_cells
 
@@ -93,7 +93,9 @@ class ExactOnOtherKernels(LayerTest):
         for name in (CELL, FAST_CELL):
             self.base = self.moved(name, 30)
             self.assertEqual(self.failures(self.moved(name, 30)), [])
-        self.assertIn("head is counted against base", self.layer(read_build(self.document())).notes[0])
+        (note,) = self.layer(read_build(self.document())).notes
+        self.assertIn("head is counted against base", note)
+        self.assertIn(f"on {CONTEXT['cpu']})", note)  # of the record
 
     def test_each_that_decides_how_a_build_rounds_makes_them_other_kernels(self):
         for field in ROUNDING:
