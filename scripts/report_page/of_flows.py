@@ -1,5 +1,6 @@
 """Turbulence: energies of one flow by degree, from the study fluid, and what statistics cost, from turbulence."""
 
+from lib.judging.verdicts import FEWEST
 from lib.pages.integrate_line import integrate_line, start_of_code
 from lib.records.integrators import KEPT, name_with_order
 from lib.records.settings import steps_to
@@ -10,6 +11,7 @@ from studies.fluid.charts import START_COLOUR
 IMPORTS, DRAWN_STATE = "from studies.turbulence.single_runs import drawn_scene", "drawn_scene({}, {}).initial"
 SMALLEST = 1e-9  # share of the energy that is drawn, as in the still chart
 START = "t = 0"
+VERDICTS = FAITHFUL, NOT_FAITHFUL, NOT_JUDGED = "faithful", "not faithful", "not judged"
 
 
 def start_at(n, sample):
@@ -49,9 +51,11 @@ def spectra(fluid):
 
 def statistics(study, found):
     """Returns the Chart of how far the statistics of settings are off, against what they cost."""
-    thresholds = {each.n: each.threshold for each in found.trust}
+    trust = {each.n: each for each in found.trust}
     rows = [row for row in found.settings if row.distance is not None and row.over_baseline is not None]
-    faithful = {True: "faithful", False: "not faithful"}
+    verdicts = [verdict_of(trust[row.n], row) for row in rows]
+    sizes = sorted({row.n for row in rows})
+    first = max((place for place, n in enumerate(sizes) if trust[n].decides), default=len(sizes) - 1)
     methods = dict.fromkeys(row.integrator for row in rows)
     return Chart(
         "statistics", "How far statistics are off, against cost", Axis("cost", "CPU time over that of the baseline"),
@@ -60,15 +64,16 @@ def statistics(study, found):
          "n": Column("n", [row.n for row in rows]), "step": Column("step h", [row.step for row in rows]),
          "tolerance": Column("tolerance", [row.tolerance for row in rows]),
          "keeps": Column("keeps", [KEPT[row.keeps] for row in rows]),
-         "verdict": Column("statistics", [faithful[row.faithful] for row in rows]),
-         "distance": Column("distance over chance", [row.distance / thresholds[row.n] for row in rows]),
+         "verdict": Column("statistics", verdicts),
+         "distance": Column("distance over chance", [row.distance / trust[row.n].threshold for row in rows]),
          "cost": Column("time over the baseline's", [row.over_baseline for row in rows]),
          "products": Column("full products a unit of time", [row.products for row in rows]),
          "energy": Column("energy off, at worst", [row.energy_worst for row in rows]),
          "spectrum": Column("spectrum error", [row.spectrum_error for row in rows]),
          "series": Column("", [name_with_order(study.integrators[row.integrator]) for row in rows])},
-        (Selector("n", "n", options_of(sorted({row.n for row in rows}), str), len({row.n for row in rows}) - 1),
-         Selector("verdict", "statistics", (Option("all", None), *options_of(faithful.values())))),
+        (Selector("n", "n", options_of(sizes, str), first),
+         Selector("verdict", "statistics", (Option("all", None), *options_of(
+             [verdict for verdict in VERDICTS if verdict in verdicts])))),
         {name_with_order(study.integrators[name]): marked(study.integrators[name], place)
          for place, name in enumerate(methods)},
         [integrate_line(start_at(row.n, 0), row.n, row.integrator, row.step, time_of(study, row), row.tolerance,
@@ -76,7 +81,15 @@ def statistics(study, found):
         band=(None, 1.0),
         note="A mark is a method with a step, over all samples; its command runs the first sample. Shaded: within"
              " chance of the reference. Faithful: there, with energy and enstrophy kept to 1 %. Baseline: isospectral"
-             " midpoint, h = ħ/4. Settings that lost a sample have no statistics.")
+             f" midpoint, h = ħ/4. Settings that lost a sample have no statistics; with fewer than {FEWEST} samples"
+             " nothing is judged.")
+
+
+def verdict_of(trust, row):
+    """Returns whether the statistics of a setting are faithful, of VERDICTS, given how far its n is to be trusted."""
+    if not trust.decides:
+        return NOT_JUDGED
+    return FAITHFUL if row.faithful else NOT_FAITHFUL
 
 
 def time_of(study, row):

@@ -2,6 +2,7 @@
 
 import base64
 import os
+from html import escape
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from lib.pages.document import as_markdown
@@ -174,7 +175,7 @@ def conditions(sources):
     folded = []
     for home in sources.folders:
         context = read_json(sources.path(home), context_of)
-        rows = "".join(f"<tr><th>{name.replace('_', ' ')}</th><td>{escaped(context[name])}</td></tr>"
+        rows = "".join(f"<tr><th>{name.replace('_', ' ')}</th><td>{escape(one_line(context[name]))}</td></tr>"
                        for name in TOLD if context.get(name))
         folded.append((title_of(home), f'<div class="wide" tabindex="0"><table>{rows}</table></div>'))
     return Section("conditions", "Conditions of each run", folded=tuple(folded))
@@ -189,10 +190,6 @@ def title_of(home):
     found = [study for study in STUDIES if study.home == home]
     title = found[0].title if len(found) == 1 else "the tables of the paper"
     return f"{', '.join(study.name for study in found)}: {title}"
-
-
-def escaped(text):
-    return one_line(text).replace("&", "&amp;").replace("<", "&lt;")
 
 
 SECTIONS: List[Callable] = [answer, tables, speed, limits, kept, practice, turbulence, claims, history, reports,

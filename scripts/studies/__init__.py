@@ -79,7 +79,7 @@ STUDIES = (
           rendered_by=("scipy",)),
     Study("theorem", "the formulations on every algebra, their cost, and where the theorem ends", 10, 1,
           of_one_part("theorem", "Comparing the formulations on every algebra")),
-    Study("turbulence", "what long turbulent runs average to, and at what cost", 40, 0.5,
+    Study("turbulence", "what long turbulent runs average to, and at what cost", 100, 0.5,
           of_one_part("turbulence", "Running turbulence, and timing its steps")),
     Study("fluid", "what one turbulent flow looks like, and what methods lose of it", 1, 0.5,
           of_one_part("fluid", "Running one turbulent flow")),

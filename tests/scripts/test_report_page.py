@@ -19,7 +19,7 @@ from programs import BUILD, DONE, HAS_MODULE, ROOT, SANITIZED, FolderTest, envir
 from lib.judging.verdicts import Ratio
 from lib.programs.messages import UnusableFile
 from lib.programs.places import RECORDED
-from lib.records import history
+from lib.records import findings, history
 from lib.records.formats import listed_integrators
 from lib.records.settings import TIGHT
 
@@ -147,6 +147,29 @@ class WholePage(PageTest):
             found = runs[tuple(key)]
             self.assertEqual((min(found["cpu_seconds"]), found["sweeps"]), (seconds, sweeps))
             self.assertAlmostEqual(found["equivalent_products"] / products, 1, places=5)
+
+    def test_few_samples_judge_nothing(self):
+        from report_page.of_flows import statistics
+        from studies.turbulence.judge import Findings
+        from studies.turbulence.schema import read_turbulence
+
+        folder = os.path.join(RECORDED, "turbulence")
+        study = read_turbulence(os.path.join(folder, "raw.json"))
+        found = findings.read_findings(os.path.join(folder, findings.FILE), "turbulence", Findings)
+        largest = max(each.n for each in found.trust if each.decides)
+
+        def first_and_verdicts(found):
+            """Returns the n that is shown first, and the verdicts on settings at the largest n that is judged now."""
+            chart = statistics(study, found)
+            rows = zip(chart.columns["n"].values, chart.columns["verdict"].values)
+            selector = chart.selectors[0]
+            return selector.options[selector.chosen].value, {said for n, said in rows if n == largest}
+
+        self.assertEqual(first_and_verdicts(found), (largest, {"faithful", "not faithful"}))
+        few = found._replace(trust=[each._replace(samples=2) if each.n == largest else each for each in found.trust])
+        first, verdicts = first_and_verdicts(few)
+        self.assertEqual(verdicts, {"not judged"})
+        self.assertLess(first, largest)
 
     def test_every_command_is_one_that_integrate_takes(self):
         integrators, shapes = listed_integrators(), {}

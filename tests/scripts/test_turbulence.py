@@ -128,8 +128,9 @@ class Runs(unittest.TestCase):
             self.assertAlmostEqual(turbulence_runs.decorrelation(samples, lag), expected, 1)
 
     def test_every_listed_step_divides_the_lags(self):
-        for n in (33, 65, 129):
-            for step in {step for steps in turbulence_plan.plan_of(n, False).steps.values() for step in steps}:
+        for n in (33, 65, 129, 257):
+            plan = turbulence_plan.plan_of(n, False)
+            for step in {plan.reference.step, *(step for steps in plan.steps.values() for step in steps)}:
                 interval = max(1, round(turbulence_runs.SAMPLE_TIME / step)) * step
                 for lag in turbulence_runs.LAGS:
                     self.assertAlmostEqual(round(lag / interval) * interval, lag, 9, step)
@@ -504,9 +505,11 @@ class Plan(unittest.TestCase):
             self.assertIn(Setting("elp4", 1.0 / shorter, 1e-4), [setting for _, setting in whole])
         few = turbulence_plan.settings_of(33, turbulence_plan.plan_of(33, False), ["rk4"])
         self.assertEqual({setting.integrator for _, setting in few}, {"rk4", "algebra1"})
-        large = turbulence_plan.plan_of(129, False)
-        self.assertEqual((large.samples, len(turbulence_plan.settings_of(129, large, turbulence_plan.STEPS))), (6, 11))
-        self.assertEqual(turbulence_plan.SIZES, (33, 65))
+        for n, samples, step in ((129, 6, 0.25), (257, 2, 0.125), (513, 2, 0.0625)):
+            large = turbulence_plan.plan_of(n, False)
+            self.assertEqual((large.samples, large.reference, len(turbulence_plan.settings_of(
+                n, large, turbulence_plan.STEPS))), (samples, Setting("rk8", step, 1e-10), 11))
+        self.assertEqual(turbulence_plan.SIZES, (33, 65, 257))
 
     def test_every_row_is_timed_by_as_many_processes(self):
         done = {"row": [1.0] * 6, "other": [1.0] * 4}

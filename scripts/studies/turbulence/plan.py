@@ -10,8 +10,9 @@ from lib.running import built
 from studies.turbulence import single_runs as runs
 from studies.turbulence.schema import LOOSE, METHOD, BASELINE, BASELINE_INTEGRATOR, BASELINE_SHARE, Setting
 
-SIZES, QUICK_SIZES = (33, 65), (33,)
-# More accurate than all that is judged by it: its energy is off by 1e-11 at n = 33, T = 1000.
+SIZES, QUICK_SIZES = (33, 65, 257), (33,)
+# More accurate than all that is judged by it: its energy is off by 1e-11 at n = 33, T = 1000. Beyond LARGE_N its step
+# is half as long from one n to the next, as that of others.
 REFERENCE_METHOD = Setting("rk8", 0.25, 1e-10)
 # Steps of each method around the longest that is faithful, at n = 33; it is about half as long at twice the n. A new
 # integrator has those of the method that is most like it (with_new). Nothing is in the co-rotating frame: the data have
@@ -41,12 +42,15 @@ class Plan(NamedTuple):
     samples: int
     references: int  # ensembles
     far: int  # ensembles
+    reference: Setting
     time: float
     steps: dict  # of each integrator
     ladder: dict
 
 
 SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n on few are run
+# Samples from n = 257 on, where more take longer than 100 minutes on two cores: too few for a verdict.
+FEWEST_SAMPLES = 2
 
 
 def with_new(steps):
@@ -64,13 +68,22 @@ def with_new(steps):
 def plan_of(n, quick):
     """Returns the Plan at an n. Steps are half as long from one of n = 33, 65, 129 … to the next."""
     if quick:
-        return Plan(samples=3, references=3, far=4, time=100.0, steps=with_new(QUICK_STEPS), ladder={})
-    shorter = 2 ** max(0, round(math.log2((n - 1) / (SMALL_N - 1))))
+        return Plan(3, 3, 4, REFERENCE_METHOD, 100.0, with_new(QUICK_STEPS), {})
+    shorter = parts_of(n, SMALL_N)
     steps = with_new({name: tuple(step / shorter for step in each) for name, each in STEPS.items()})
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
+    parts = parts_of(n, LARGE_N)
+    reference = REFERENCE_METHOD._replace(step=REFERENCE_METHOD.step / parts)
     if n >= LARGE_N:
-        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in chosen(built.integrators().values(), FEW)}, {})
-    return Plan(12 if n <= SMALL_N else 10, 6, 6, 1000.0, steps, ladder)
+        few = {name: steps[name][:2] for name in chosen(built.integrators().values(), FEW)}
+        return Plan(6 if parts == 1 else FEWEST_SAMPLES, 4, 4, reference, 1000.0, few, {})
+    return Plan(12 if n <= SMALL_N else 10, 6, 6, reference, 1000.0, steps, ladder)
+
+
+def parts_of(n, unit):
+    """Returns into how many parts steps are divided at an n: 1 up to n = `unit`, twice as many from each n of
+    33, 65, 129 … beyond to the next."""
+    return 2 ** max(0, round(math.log2((n - 1) / (unit - 1))))
 
 
 def settings_of(n, plan, names):

@@ -12,6 +12,7 @@ from studies.turbulence.judge import figures, findings
 from studies.turbulence.schema import LOOSE, QUARTERS, read_turbulence
 from studies.turbulence.statistics import COUNT, MIN_SPREAD, LEVEL, TRIALS
 
+NOT_JUDGED = "not judged"  # for lack of samples
 KEEPING = {**KEPT, next(iter(KEPT)): "any"}  # what is asked of a method, the least first
 CHARTS = (
     ("cheapest_faithful", "CPU time of the cheapest faithful setting of each method over that of the baseline, which"
@@ -93,7 +94,7 @@ def head_cells(judged):
 
 def setting_cells(judgement, judged):
     if judged is None:
-        return [MISSING] * len(SETTING_COLUMNS)
+        return [MISSING if judgement.decides else NOT_JUDGED, *[MISSING] * (len(SETTING_COLUMNS) - 1)]
     return [*head_cells(judged), three_digits(judged.seconds), ratio_text(judgement.over_baseline(judged)),
             two_digits(judged.distance)]
 
@@ -134,7 +135,7 @@ def setting_row(judgement, judged):
 def verdict_text(judgement, judged):
     """Writes whether a setting without a lost sample is faithful, or what is not: "no: statistics, energy"."""
     if not judgement.decides:
-        return "not judged"
+        return NOT_JUDGED
     off = ["statistics"] * (not judged.within_chance)
     off += [name for name in INVARIANTS if judged.worst[name] > TOLERANCE]
     return f"no: {', '.join(off)}" if off else "yes"

@@ -24,7 +24,7 @@ from lib.running import built, program, timed, untimed
 from lib.running.checkpoint import Checkpoint
 from lib.running.problems import decoded
 from studies.turbulence import single_runs as runs
-from studies.turbulence.plan import QUICK_SIZES, REFERENCE_METHOD, SIZES, names_of, plan_of, settings_of, sizes_of
+from studies.turbulence.plan import QUICK_SIZES, SIZES, names_of, plan_of, settings_of, sizes_of
 from studies.turbulence.schema import FAR, BASELINE_INTEGRATOR, REFERENCE, SCHEMA, Cost, RunRow, Settings, Size
 
 
@@ -41,7 +41,7 @@ def job_of(n, plan, setting, sample):
 
 def run_jobs(n, plan, names):
     """Returns the jobs of all runs at an n with their roles, as (role, job)."""
-    references = [(role, {**job_of(n, plan, REFERENCE_METHOD, sample), "role": role, "ensemble": ensemble})
+    references = [(role, {**job_of(n, plan, plan.reference, sample), "role": role, "ensemble": ensemble})
                   for role, count in ((REFERENCE, plan.references), (FAR, plan.far))
                   for sample in range(plan.samples) for ensemble in range(count)]
     return references + [(role, job_of(n, plan, setting, sample)) for role, setting in settings_of(n, plan, names)
@@ -139,7 +139,7 @@ def cost_of(point, seconds):
 def size_row(n, plan, reference_error):
     norms = [runs.drawn_scene(n, sample).generator_norms()[0] for sample in range(plan.samples)]
     return Size(n=n, samples=plan.samples, references=plan.references, far=plan.far, time=plan.time,
-                reference_integrator=REFERENCE_METHOD.integrator, reference_step=REFERENCE_METHOD.step,
+                reference_integrator=plan.reference.integrator, reference_step=plan.reference.step,
                 reference_error=reference_error, norm_B=runs.recorded(statistics.fmean(norms)))
 
 
@@ -160,12 +160,12 @@ def main(arguments):
 
     checkpoint = Checkpoint("turbulence", options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
     results = partial(untimed.results, checkpoint=checkpoint, options=options)
-    errors = results([job_of(n, plans[n], REFERENCE_METHOD, 0) for n in sizes], runs.converge,
+    errors = results([job_of(n, plans[n], plans[n].reference, 0) for n in sizes], runs.converge,
                      what="checking the reference")
     roles, jobs = zip(*(each for n in sizes for each in run_jobs(n, plans[n], names)))
     found = results(jobs, runs.carry_out, what="runs")
     rows = [run_row(*each) for each in zip(roles, jobs, found)]
-    prepared = results([{**job_of(n, plans[n], REFERENCE_METHOD, 0), "points": points_of(n, plans[n], rows)}
+    prepared = results([{**job_of(n, plans[n], plans[n].reference, 0), "points": points_of(n, plans[n], rows)}
                         for n in sizes], prepare, what="states")
     points = [point for each in prepared for point in each["points"]]
     maximum = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
@@ -176,7 +176,7 @@ def main(arguments):
                         displacement=runs.DISPLACEMENTS[REFERENCE], far_displacement=runs.DISPLACEMENTS[FAR],
                         correlated_degree=runs.CORRELATED_DEGREE, lags=runs.LAGS, energy_loss=runs.ENERGY_LOSS,
                         max_sweeps=runs.MAX_SWEEPS, warm_steps=timed.WARM_STEPS)
-    listed = dict.fromkeys((BASELINE_INTEGRATOR, REFERENCE_METHOD.integrator, *names))
+    listed = dict.fromkeys((BASELINE_INTEGRATOR, *(plan.reference.integrator for plan in plans.values()), *names))
     formats.write_study(options.out, SCHEMA, checkpoint.context, settings, {
         "integrators": built.entries(listed),
         "sizes": [size_row(n, plans[n], error) for n, error in zip(sizes, errors)],
