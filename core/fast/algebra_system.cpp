@@ -6,7 +6,7 @@ namespace isosyrk {
 namespace {
 
 // At half these values a smooth scene needs a third sweep.
-constexpr CouplingBand coupling_bound = {32, 0.375};
+constexpr CouplingBand algebra_coupling_bound = {32, 0.375};
 
 Index pairs_of(Index s) { return s * (s - 1) / 2; }
 
@@ -18,7 +18,7 @@ std::size_t place(std::size_t j, std::size_t k) { return k * (k - 1) / 2 + j; }
 AlgebraSystem::AlgebraSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
     : RungeKuttaSystem(flow, tableau,
                        {tableau.stages(), tableau.stages(), pairs_of(tableau.stages())}, threads,
-                       truncates, coupling_bound),
+                       truncates, algebra_coupling_bound),
       X_sum_(zeros(s_)),
       half_(zeros(s_)),
       skew_(zeros(s_)),

@@ -7,7 +7,7 @@ namespace isosyrk {
 namespace {
 
 // At half these values a smooth scene needs a third sweep.
-constexpr CouplingBand coupling_bound = {32, 0.375};
+constexpr CouplingBand cotangent_coupling_bound = {32, 0.375};
 
 // Forms of_Q(j) and of_P(j) for all stages j, side by side.
 template <class Products, class OfQ, class OfP>
@@ -23,7 +23,7 @@ void form_pairs(Products& products, std::size_t stages, const OfQ& of_Q, const O
 CotangentSystem::CotangentSystem(const Flow& flow, const Tableau& tableau, int threads,
                                  bool truncates)
     : RungeKuttaSystem(flow, tableau, {tableau.stages(), tableau.stages()}, threads, truncates,
-                       coupling_bound),
+                       cotangent_coupling_bound),
       identity_(split_identity(flow.size())),
       W_stage_(zeros(s_)),
       B_(generator_.generators(s_)),

@@ -6,12 +6,13 @@
 namespace isosyrk {
 namespace {
 
-constexpr CouplingBand coupling_bound = {32, 0.375};  // that of AlgebraSystem
+constexpr CouplingBand direct_coupling_bound = {32, 0.375};  // that of AlgebraSystem
 
 }  // namespace
 
 DirectSystem::DirectSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : RungeKuttaSystem(flow, tableau, {tableau.stages()}, threads, truncates, coupling_bound),
+    : RungeKuttaSystem(flow, tableau, {tableau.stages()}, threads, truncates,
+                       direct_coupling_bound),
       B_(generator_.generators(s_)),
       M_(zeros(s_)),
       commutator_(zeros(s_)),

@@ -9,12 +9,12 @@ namespace isosyrk {
 namespace {
 
 // At half these values a smooth scene needs a third sweep.
-constexpr CouplingBand coupling_bound = {16, 0.125};
+constexpr CouplingBand group_coupling_bound = {16, 0.125};
 
 }  // namespace
 
 GroupSystem::GroupSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : RungeKuttaSystem(flow, tableau, {tableau.stages()}, threads, truncates, coupling_bound),
+    : RungeKuttaSystem(flow, tableau, {tableau.stages()}, threads, truncates, group_coupling_bound),
       identity_(split_identity(flow.size())),
       W0_cut_(zeros(1)),
       W0Q_(zeros(s_)),

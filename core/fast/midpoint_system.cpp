@@ -9,7 +9,7 @@ namespace isosyrk {
 namespace {
 
 // At half these values a smooth scene needs a third sweep.
-constexpr CouplingBand coupling_bound = {24, 0.125};
+constexpr CouplingBand midpoint_coupling_bound = {24, 0.125};
 // Largest number of Newton-Schulz iterations for 1 / (1 - (h/2) B).
 constexpr int max_inverse_iterations = 12;
 // Frobenius norm that may be cut from that inverse, as a multiple of the accuracy.
@@ -18,7 +18,7 @@ constexpr double left_out_of_inverse = 0.1;
 }  // namespace
 
 MidpointSystem::MidpointSystem(const Flow& flow, int threads, bool truncates)
-    : SplitSystem(flow, {1}, 1, threads, truncates, coupling_bound),
+    : SplitSystem(flow, {1}, 1, threads, truncates, midpoint_coupling_bound),
       W_stage_(zeros(1)),
       B_(generator_.generators(1)),
       M_(zeros(1)),

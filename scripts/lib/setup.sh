@@ -197,6 +197,10 @@ configure() {
   logged "$folder" cmake -S "$ROOT" -B "$folder" "$@"
 }
 
+# Options of a build that is made to be checked, not to be fast or built again: the sources of the library and of programs
+# are joined to few units, each of which reads headers and makes Eigen's templates once.
+UNITED=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=6)
+
 # build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds.
 build() {
   local folder=$1 target=$2 lock
