@@ -112,7 +112,8 @@ std::string notice() {
     remarks.push_back(fmt::format(
         "this CPU has AVX-512 and OpenBLAS runs its {} kernels, which do not use it{}",
         kernel_set(),
-        core_type == nullptr ? "" : fmt::format(" (OPENBLAS_CORETYPE={} is set)", core_type)));
+        core_type == nullptr ? "; with OPENBLAS_CORETYPE=SkylakeX it runs others"
+                             : fmt::format(" (OPENBLAS_CORETYPE={} is set)", core_type)));
   } else if (core_type != nullptr) {
     remarks.push_back(fmt::format("OPENBLAS_CORETYPE={} is set; OpenBLAS runs its {} kernels",
                                   core_type, kernel_set()));
