@@ -7,11 +7,13 @@ from lib.records.settings import steps_to
 from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly, look_of, options_of
 from report_page.of_accuracy import marked
 from studies.fluid.charts import START_COLOUR
+from studies.turbulence.judge import NOT_JUDGED
 
 IMPORTS, DRAWN_STATE = "from studies.turbulence.single_runs import drawn_scene", "drawn_scene({}, {}).initial"
 SMALLEST = 1e-9  # share of the energy that is drawn, as in the still chart
 START = "t = 0"
-VERDICTS = FAITHFUL, NOT_FAITHFUL, NOT_JUDGED = "faithful", "not faithful", "not judged"
+FAITHFUL, NOT_FAITHFUL = "faithful", "not faithful"
+VERDICTS = (FAITHFUL, NOT_FAITHFUL, NOT_JUDGED)
 
 
 def start_at(n, sample):

@@ -8,6 +8,8 @@ from lib.judging import verdicts
 from lib.pages.numbers import power
 from studies.turbulence.schema import LOOSE, BASELINE
 
+NOT_JUDGED = "not judged"  # what is said of settings where Trust.decides is false
+
 
 class Trust(NamedTuple):
     """How far what is judged at one n is to be trusted."""

@@ -8,11 +8,10 @@ from lib.pages.numbers import MISSING, percentage, scientific, span, three_digit
 from lib.pages.rendering import Rendering
 from studies.tables.comparison import ratio_text
 from studies.turbulence.against_reference import INVARIANTS, TOLERANCE, judgement_of, methods_of
-from studies.turbulence.judge import figures, findings
+from studies.turbulence.judge import NOT_JUDGED, figures, findings
 from studies.turbulence.schema import LOOSE, QUARTERS, read_turbulence
 from studies.turbulence.statistics import COUNT, MIN_SPREAD, LEVEL, TRIALS
 
-NOT_JUDGED = "not judged"  # for lack of samples
 KEEPING = {**KEPT, next(iter(KEPT)): "any"}  # what is asked of a method, the least first
 CHARTS = (
     ("cheapest_faithful", "CPU time of the cheapest faithful setting of each method over that of the baseline, which"
