@@ -473,8 +473,8 @@ class Report(DrawingTest):
             self.assertIn(f"{method}: no setting that was tried is faithful", labels)
         none = {"runs": lambda rows: [row for row in rows if row.integrator not in ("elp4", "group2")]}
         self.assertIsNone(turbulence_chart.cheapest_faithful(*self.judgements(**none)))
-        self.assertIn("Draws that were lost", self.report())
-        self.assertNotIn("Draws that were lost", self.report(**none))
+        self.assertIn("Samples that were lost", self.report())
+        self.assertNotIn("Samples that were lost", self.report(**none))
 
     def test_the_title_names_the_cheapest(self):
         study, found = self.judgements()

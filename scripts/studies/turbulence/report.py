@@ -171,7 +171,7 @@ def lost_parts(study):
             for n, ensembles in study.ensembles.items() for ensemble in ensembles.values() if ensemble.lost]
     if not rows:
         return []
-    return [Heading("Draws that were lost"),
+    return [Heading("Samples that were lost"),
             Paragraph(f"By the solver, or unstable: not finite, or the energy off by {study.settings.energy_loss:.0%}."
                       f" Sweep cap: a step took more than {study.settings.max_sweeps} sweeps, which would be expensive;"
                       " with the default cap of 1000 such a run may go on. A setting that loses a sample is not"
