@@ -505,10 +505,14 @@ class Plan(unittest.TestCase):
             self.assertIn(Setting("elp4", 1.0 / shorter, 1e-4), [setting for _, setting in whole])
         few = turbulence_plan.settings_of(33, turbulence_plan.plan_of(33, False), ["rk4"])
         self.assertEqual({setting.integrator for _, setting in few}, {"rk4", "algebra1"})
-        for n, samples, step in ((129, 6, 0.25), (257, 2, 0.125), (513, 2, 0.0625)):
+        for n, samples, step, settings in ((129, 6, 0.25, 11), (257, 2, 0.125, 5), (513, 2, 0.0625, 5)):
             large = turbulence_plan.plan_of(n, False)
             self.assertEqual((large.samples, large.reference, len(turbulence_plan.settings_of(
-                n, large, turbulence_plan.STEPS))), (samples, Setting("rk8", step, 1e-10), 11))
+                n, large, turbulence_plan.STEPS))), (samples, Setting("rk8", step, 1e-10), settings))
+        self.assertEqual({setting for _, setting in turbulence_plan.settings_of(
+            257, turbulence_plan.plan_of(257, False), turbulence_plan.STEPS)[1:]},
+            {Setting("rk8", 0.1875, LOOSE), Setting("rk8_projected", 0.1875, LOOSE),
+             Setting("algebra1", 0.03125, LOOSE), Setting("elp4", 0.125, 1e-4)})
         self.assertEqual(turbulence_plan.SIZES, (33, 65, 257))
 
     def test_every_row_is_timed_by_as_many_processes(self):

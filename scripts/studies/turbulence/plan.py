@@ -32,7 +32,9 @@ STEPS = {
     "rk8_projected": (1.5, 2.0, 3.0),
 }
 LADDER = {"group2": (1.0, 1e-4), "elp4": (1.0, 1e-4)}  # a step and a looser tolerance
-FEW = ("algebra1", "group2", "elp4", "rk4", "rk8")  # methods at large n, with two steps each
+FEW = ("algebra1", "group2", "elp4", "rk4", "rk8")  # methods at LARGE_N, with two steps each
+# At still larger n: the cheapest faithful settings of n = 65, of all, with the spectrum, Lie–Poisson, and Gauss.
+CHEAPEST, CHEAPEST_LOOSE = {"rk8": (1.5,), "rk8_projected": (1.5,), "algebra1": (0.25,)}, "elp4"
 QUICK_STEPS = {"algebra1": (0.5, 1.0), "elp4": (0.5, 1.0), "rk4": (0.25, 0.5), "rk8": (0.75, 1.5)}
 
 
@@ -49,8 +51,9 @@ class Plan(NamedTuple):
 
 
 SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n on few are run
-# Samples from n = 257 on, where more take longer than 100 minutes on two cores: too few for a verdict.
-FEWEST_SAMPLES = 2
+# Beyond LARGE_N, where more would take longer than 100 minutes on two cores: too few samples for a verdict, and half of
+# the time. A reference run takes 10 to 15 minutes to T = 1000 (n = 257).
+FEWEST_SAMPLES, SHORTER_TIME, FEWER_ENSEMBLES = 2, 500.0, 3
 
 
 def with_new(steps):
@@ -69,15 +72,20 @@ def plan_of(n, quick):
     """Returns the Plan at an n. Steps are half as long from one of n = 33, 65, 129 … to the next."""
     if quick:
         return Plan(3, 3, 4, REFERENCE_METHOD, 100.0, with_new(QUICK_STEPS), {})
-    shorter = parts_of(n, SMALL_N)
-    steps = with_new({name: tuple(step / shorter for step in each) for name, each in STEPS.items()})
+    parts, shorter = parts_of(n, LARGE_N), parts_of(n, SMALL_N)
+
+    def scaled(steps):
+        return with_new({name: tuple(step / shorter for step in each) for name, each in steps.items()})
+
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
-    parts = parts_of(n, LARGE_N)
     reference = REFERENCE_METHOD._replace(step=REFERENCE_METHOD.step / parts)
+    if parts > 1:
+        return Plan(FEWEST_SAMPLES, FEWER_ENSEMBLES, FEWER_ENSEMBLES, reference, SHORTER_TIME, scaled(CHEAPEST),
+                    {CHEAPEST_LOOSE: ladder[CHEAPEST_LOOSE]})
     if n >= LARGE_N:
-        few = {name: steps[name][:2] for name in chosen(built.integrators().values(), FEW)}
-        return Plan(6 if parts == 1 else FEWEST_SAMPLES, 4, 4, reference, 1000.0, few, {})
-    return Plan(12 if n <= SMALL_N else 10, 6, 6, reference, 1000.0, steps, ladder)
+        few = {name: STEPS[name][:2] for name in FEW}
+        return Plan(6, 4, 4, reference, 1000.0, scaled(few), {})
+    return Plan(12 if n <= SMALL_N else 10, 6, 6, reference, 1000.0, scaled(STEPS), ladder)
 
 
 def parts_of(n, unit):

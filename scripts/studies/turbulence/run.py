@@ -53,7 +53,7 @@ def run_jobs(n, plan, names):
 
 def points_of(n, plan, rows):
     """Returns what is timed at an n: every setting whose runs all work."""
-    working = [setting for role, setting in settings_of(n, plan, plan.steps)
+    working = [setting for role, setting in settings_of(n, plan, {**plan.steps, **plan.ladder})
                if (found := [row for row in rows if row.n == n and row.role == role
                              and row[2:5] == setting]) and all(row.works for row in found)]
     return [{"n": n, **setting._asdict(), "steps": max(MIN_TIMED, steps_to(STRETCH, setting.step))}
