@@ -515,6 +515,12 @@ class Plan(unittest.TestCase):
              Setting("algebra1", 0.03125, LOOSE), Setting("elp4", 0.125, 1e-4)})
         self.assertEqual(turbulence_plan.SIZES, (33, 65, 257))
 
+    def test_the_raw_file_takes_what_is_planned(self):
+        for n in (33, 65, 129, 257, 513):
+            plan = turbulence_plan.plan_of(n, False)._asdict()
+            for name in ("samples", "references", "far", "time"):
+                self.assertEqual(Size.__annotations__[name](plan[name]), plan[name])
+
     def test_every_row_is_timed_by_as_many_processes(self):
         done = {"row": [1.0] * 6, "other": [1.0] * 4}
         self.assertEqual(turbulence.further_processes(6, done), {"row": 0, "other": 2})

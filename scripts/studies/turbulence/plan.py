@@ -53,7 +53,7 @@ class Plan(NamedTuple):
 SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n on few are run
 # Beyond LARGE_N, where more would take longer than 100 minutes on two cores: too few samples for a verdict, and half of
 # the time. A reference run takes 10 to 15 minutes to T = 1000 (n = 257).
-FEWEST_SAMPLES, SHORTER_TIME, FEWER_ENSEMBLES = 2, 500.0, 3
+FEWEST_SAMPLES, SHORTER_TIME, FEWEST_REFERENCES, FEWEST_FAR = 2, 500.0, 3, 4
 
 
 def with_new(steps):
@@ -80,7 +80,7 @@ def plan_of(n, quick):
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
     reference = REFERENCE_METHOD._replace(step=REFERENCE_METHOD.step / parts)
     if parts > 1:
-        return Plan(FEWEST_SAMPLES, FEWER_ENSEMBLES, FEWER_ENSEMBLES, reference, SHORTER_TIME, scaled(CHEAPEST),
+        return Plan(FEWEST_SAMPLES, FEWEST_REFERENCES, FEWEST_FAR, reference, SHORTER_TIME, scaled(CHEAPEST),
                     {CHEAPEST_LOOSE: ladder[CHEAPEST_LOOSE]})
     if n >= LARGE_N:
         few = {name: STEPS[name][:2] for name in FEW}
