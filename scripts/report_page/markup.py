@@ -14,6 +14,8 @@ def as_html(text):
     """Returns the HTML of some Markdown. Pictures, and links to other files, are left out."""
     writer = markdown.Markdown(extensions=["tables", "sane_lists"])
     writer.ESCAPED_CHARS.extend(ESCAPED)
+    for kind, name in ((writer.preprocessors, "html_block"), (writer.inlinePatterns, "html")):
+        kind.deregister(name)  # what looks like HTML is text
     html = writer.convert(re.sub(r"\\[<>&]", lambda found: ENTITIES[found[0]], PICTURE.sub("", text)))
     html = PLACE.sub(lambda link: "" if link[0].endswith(")") else f" {link[1]}", html)
     return re.sub(r"<(/?)h([1-4])>", lambda tag: f"<{tag[1]}h{int(tag[2]) + 2}>", html).replace(

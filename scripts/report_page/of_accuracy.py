@@ -5,7 +5,8 @@ from lib.pages.integrate_line import integrate_line, start_of
 from lib.pages.numbers import power
 from lib.records.integrators import GAUSS, KEPT
 from lib.records.settings import keeps
-from report_page.charts import KEEPING, Axis, Chart, Column, Option, Selector, as_plotly, mark_of, options_of
+from report_page.charts import (KEEPING, MARKS, OPEN, Axis, Chart, Column, Option, Selector, as_plotly, mark_of,
+                                options_of)
 from studies.accuracy.charts import ERROR_LABEL, SECONDS_LABEL, WORK_PRECISION_OF, label_of
 
 SHOWN_N = 65  # at first
@@ -69,8 +70,10 @@ def speed(study):
          for form in study.forms()},
         [line_of(run, run.scene, run.solver) for run in runs], has_front=True,
         note="Errors fall to the right. In colour: points that no other of the selection beats in time and in error."
-             f" Grey: all others. {KEEPING} Errors below the floor of the reference solution, and steps beyond a"
-             " method's stability limit, are left out. Times are the least of the repetitions.")
+             f" Grey: all others. {KEEPING} In the co-rotating frame, but where a name says"
+             " otherwise. Errors below the floor of the reference solution, and steps beyond a"
+             " method's stability limit, are left out. Times are the least of the repetitions; of runs of much work"
+             " the first steps are timed, and scaled by products.")
 
 
 # ---- what runs keep
@@ -123,10 +126,7 @@ def kept(accuracy, longruns):
         [line_of(run, run.scene, form) for run, _, form, _ in found],
         note="Each mark is a run: the largest relative error of the energy, and of an eigenvalue at the end. On the"
              " left the spectrum is kept to rounding. Long runs take T = 1000 at n = 33 and less at larger n, as each"
-             " point says.")
-
-
-CLASS_MARKS = "osD^vPh"  # in turn
+             " point says; those that lost all their energy or spectrum are left out.")
 
 
 def looks_of_classes(integrators):
@@ -139,7 +139,7 @@ def looks_of_classes(integrators):
     return {name: marked(classes[name], place) for place, name in enumerate(order)}
 
 
-def marked(integrator, place):
+def marked(integrator, place, fill=OPEN):
     """Returns the look of points in the colour of an Integrator's family, with the mark of a place in a key."""
-    return as_plotly({"color": colour_and_size(integrator)[0], "marker": CLASS_MARKS[place % len(CLASS_MARKS)],
-                      "markersize": 4.5}, joined=False)
+    look = as_plotly({"color": colour_and_size(integrator)[0], "marker": "o", "markersize": 4.5}, joined=False)
+    return {**look, "symbol": MARKS[place % len(MARKS)] + fill}

@@ -2,9 +2,12 @@
 
 from lib.judging.verdicts import FEWEST
 from lib.pages.integrate_line import integrate_line, start_of_code
+from lib.records.findings import DIGITS
+from lib.records.formats import to_digits
 from lib.records.integrators import KEPT, name_with_order
 from lib.records.settings import steps_to
-from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly, look_of, options_of
+from report_page.charts import (DOTTED, FILLED, OPEN, Axis, Chart, Column, Option, Selector, as_plotly, look_of,
+                                options_of)
 from report_page.of_accuracy import marked
 from studies.fluid.charts import START_COLOUR
 from studies.turbulence.judge import NOT_JUDGED
@@ -13,7 +16,7 @@ IMPORTS, DRAWN_STATE = "from studies.turbulence.single_runs import drawn_scene",
 SMALLEST = 1e-9  # share of the energy that is drawn, as in the still chart
 START = "t = 0"
 FAITHFUL, NOT_FAITHFUL = "faithful", "not faithful"
-VERDICTS = (FAITHFUL, NOT_FAITHFUL, NOT_JUDGED)
+VERDICTS = {FAITHFUL: FILLED, NOT_FAITHFUL: OPEN, NOT_JUDGED: DOTTED}  # and how marks are filled
 
 
 def start_at(n, sample):
@@ -32,7 +35,7 @@ def spectra(fluid):
     rows = [(label, end, degree, energy / total, line) for label, end, energies, line in states
             for degree, energy in enumerate(energies, 1) if energy / total > SMALLEST]
     looks = {START: as_plotly({"color": START_COLOUR})}
-    looks |= {name_with_order(fluid.integrators[name]): {**look_of(fluid.integrators[name], end.tolerance), "size": 0}
+    looks |= {name_with_order(fluid.integrators[name]): look_of(fluid.integrators[name], end.tolerance)
               for name, end in fluid.ends.items()}
     return Chart(
         "spectra", "Energy by degree, at the start and late", Axis("degree", "degree l"),
@@ -71,20 +74,37 @@ def statistics(study, found):
          "cost": Column("time over the baseline's", [row.over_baseline for row in rows]),
          "products": Column("full products a unit of time", [row.products for row in rows]),
          "energy": Column("energy off, at worst", [row.energy_worst for row in rows]),
+         "enstrophy": Column("enstrophy off, at worst", [row.enstrophy_worst for row in rows]),
          "spectrum": Column("spectrum error", [row.spectrum_error for row in rows]),
+         "fill": Column("", [VERDICTS[verdict] for verdict in verdicts]),
          "series": Column("", [name_with_order(study.integrators[row.integrator]) for row in rows])},
         (Selector("n", "n", options_of(sizes, str), first),
          Selector("verdict", "statistics", (Option("all", None), *options_of(
              [verdict for verdict in VERDICTS if verdict in verdicts])))),
-        {name_with_order(study.integrators[name]): marked(study.integrators[name], place)
+        {name_with_order(study.integrators[name]): marked(study.integrators[name], place, FILLED)
          for place, name in enumerate(methods)},
-        [integrate_line(start_at(row.n, 0), row.n, row.integrator, row.step, time_of(study, row), row.tolerance,
-                        study.integrators[row.integrator].best_form) for row in rows],
+        [line_of(study, row) for row in rows],
         band=(None, 1.0),
         note="A mark is a method with a step, over all samples; its command runs the first sample. Shaded: within"
-             " chance of the reference. Faithful: there, with energy and enstrophy kept to 1 %. Baseline: isospectral"
-             f" midpoint, h = ħ/4. Settings that lost a sample have no statistics; with fewer than {FEWEST} samples"
-             " nothing is judged.")
+             " chance of the reference. Filled: faithful, that is there, with energy and enstrophy kept to 1 % in every"
+             f" sample. Chance calls {alarms_text(found)} of right settings not faithful, so one or two of thirty."
+             f" Baseline: isospectral midpoint, h = ħ/4. Settings that lost a sample have no statistics; with fewer"
+             f" than {FEWEST} samples nothing is judged, which a dot says.")
+
+
+def alarms_text(found):
+    """Writes which share of right settings is called wrong, where anything is judged."""
+    return " and ".join(f"{each.false_positives:.1%} (n = {each.n})" for each in found.trust
+                        if each.decides) or "some share"
+
+
+def line_of(study, row):
+    """Returns the command of a setting, whose step findings give with fewer digits than the runs."""
+    step = next(each.step for each in study.ensembles[row.n] if each[0] == row.integrator
+                and to_digits(each.step, DIGITS) == to_digits(row.step, DIGITS) and each.tolerance == row.tolerance)
+    return integrate_line(start_at(row.n, 0), row.n, row.integrator, step,
+                          steps_to(study.sizes[row.n].time, step) * step, row.tolerance,
+                          study.integrators[row.integrator].best_form)
 
 
 def verdict_of(trust, row):
@@ -92,8 +112,3 @@ def verdict_of(trust, row):
     if not trust.decides:
         return NOT_JUDGED
     return FAITHFUL if row.faithful else NOT_FAITHFUL
-
-
-def time_of(study, row):
-    """Returns the time of a run, of the fewest steps that reach T."""
-    return steps_to(study.sizes[row.n].time, row.step) * row.step

@@ -1,5 +1,7 @@
 """The history of a benchmark, each processor by itself."""
 
+import shlex
+
 from lib.records.history import GATE, NO, TABLE1
 from report_page.charts import Axis, Chart, Column, Selector, as_plotly, options_of
 
@@ -32,6 +34,7 @@ def history(lines):
          Selector("program", "program", programs),
          Selector("what", "ratio", options_of(entry.what for *_, entry in rows))),
         {name: as_plotly(look, joined=False) for name, look in LOOKS.items()},
-        [f"git checkout {line.commit} && scripts/{COMMANDS[line.program]}" for line, *_ in rows], bars=("low", "high"),
+        [f"git checkout {shlex.quote(line.commit)} && scripts/{COMMANDS[line.program]}" for line, *_ in rows],
+        bars=("low", "high"),
         note="Each run compares times that it measured interleaved. Runs on other processors or with other kernels are"
              " not compared with these.")

@@ -43,7 +43,8 @@ def limits(study):
          for (_, key, *_), h, count in zip(rows, steps, counts)],
         note="Each scene's own initial data; ‖B‖₂ is that of the flow without the co-rotating frame. Chief methods: the"
              " first step that fails in short runs (T = 5 at least), with how it fails. One method: every step that was"
-             " tried, and the longest that survived ten times as many steps, which says nothing of its accuracy.")
+             " tried, and the longest that survived ten times as many steps, which says nothing of its accuracy. A line"
+             " ends where larger n were not tried.")
 
 
 def steps_of(study, key, h):

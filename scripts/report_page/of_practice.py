@@ -2,9 +2,10 @@
 
 from lib.pages.integrate_line import integrate_line, start_of, start_of_code
 from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly, options_of
+from report_page.of_accuracy import chosen_at
 from studies.practice.charts import DRAWN
 from studies.practice.judge import findings, leading_results
-from studies.practice.schema import AT_PRACTICE, AT_TENTH, METHOD, QUFLOW, TURBULENCE
+from studies.practice.schema import AT_PRACTICE, AT_TENTH, METHOD, QUFLOW, ROUGH, TURBULENCE
 
 ERRORS = (Option("a tenth of the practice's error", AT_TENTH), Option("the practice's error", AT_PRACTICE))
 IMPORTS, DEVELOPED = "from studies.practice.single_runs import develop", "develop({})[0]"
@@ -30,7 +31,9 @@ def practice(study):
          "n": Column("n", told("n")), "step": Column("step h", told("step")), "steps": Column("steps", told("steps")),
          "error": Column("error", told("error")),
          "seconds": Column("CPU seconds a unit", told("seconds")),
-         "products": Column("full products", told("products")), "sweeps": Column("sweeps a step", told("sweeps")),
+         "time": Column("T", [study.problems[row.scene, row.n].time for *_, row in rows]),
+         "products": Column("full products of the run", told("products")),
+         "sweeps": Column("sweeps a step", told("sweeps")),
          "tolerance": Column("tolerance", told("tolerance")),
          "gain": Column("practice takes, times", told("gain_over_practice")),
          "low": Column("95 % from", told("gain_over_practice_low")), "high": Column("to",
@@ -38,11 +41,21 @@ def practice(study):
          "quflow": Column("quflow takes, times", told("gain_over_quflow")),
          "scene": Column("", told("scene")), "wanted": Column("", [wanted for wanted, *_ in rows]),
          "series": Column("", [label for _, label, _ in rows])},
-        (Selector("scene", "scene", scenes), Selector("wanted", "methods at", ERRORS)),
+        (Selector("scene", "scene", scenes, chosen_at(scenes, ROUGH)), Selector("wanted", "methods at", ERRORS)),
         {label: as_plotly({"color": colour, **style}) for label, colour, style in DRAWN.values()},
         [line_of(study, row) for *_, row in rows],
         note="The practice: isospectral midpoint, h = ħ/4, tolerance 1e-8. Others: the cheapest method of a class at"
-             " the chosen error. Turbulence: a flow that was developed until its small scales were filled.")
+             f" the chosen error, at T = {times_text(study)}. Beyond n = {study.settings.largest_whole} some steps of a"
+             " run are timed, and scaled by products. Turbulence: a flow that was developed until its small scales were"
+             " filled.")
+
+
+def times_text(study):
+    """Writes the time T of runs, as the largest n that have each."""
+    times = {}
+    for problem in study.problems.values():
+        times.setdefault(problem.time, set()).add(problem.n)
+    return ", ".join(f"{time:g} (n = {', '.join(map(str, sorted(sizes)))})" for time, sizes in times.items())
 
 
 def line_of(study, row):

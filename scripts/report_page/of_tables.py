@@ -17,6 +17,7 @@ from studies.tables.report import OF_EVERY_ROW, TABLES
 
 TIME = 5.0  # T of a cell
 HEADINGS = {"table1": "Table 1: published forms, CPU seconds", "table2": "Table 2: fast forms, CPU seconds"}
+PAPER = "paper"  # the side of its seconds
 WORDS = "The 50-step run (T = 5, h = 0.1) with the s-stage Gauss method. Bold: fastest, or a tie with it."
 
 
@@ -50,7 +51,7 @@ def tables(found):
 
 def formulations(found):
     """Returns the Chart of the time of each formulation over that of group, against n."""
-    sides = {"paper": read_published(PAPER_SECONDS), **{each: one.run for each, one in found.items()}}
+    sides = {PAPER: read_published(PAPER_SECONDS), **{each: one.run for each, one in found.items()}}
     rows = [(name, side, stages, n, over) for side, run in sides.items() for name in FORMULATIONS if name != BASE
             for stages in STAGES for n, over in relative(run, name, stages)]
     has_interval = [0 < over.low and over.high < float("inf") for *_, over in rows]
@@ -77,12 +78,12 @@ def formulations(found):
         (Selector("stages", "stages s", options_of(STAGES), len(STAGES) - 1),),
         {f"{name}, {side}": look_of_side(name, side) for name in FORMULATIONS if name != BASE for side in sides},
         [line(*cell) for cell in cells], bars=("low", "high"), band=(1 / MARGIN, MARGIN),
-        note="Light with circles: the seconds that the paper prints. Thin: published forms. Thick: fast forms. Bars:"
-             f" 95 % intervals over processes. Shaded: a tie with {BASE}.")
+        note="Light with circles and diamonds: the seconds that the paper prints. Thin: published forms. Thick: fast"
+             f" forms. Bars: 95 % intervals over processes. Shaded: a tie with {BASE}.")
 
 
 def look_of_side(name, side):
     colour = FORMULATION_COLOURS[name][0]
-    marks = {"marker": "s" if name == FORMULATIONS[0] else "^", "markersize": 4}
-    return as_plotly({"color": mixed(colour, "white", PAPER_LIGHTER) if side == "paper" else colour,
-                      **marks, **STYLES[side]}, fill=FILLED if side == FAST else OPEN)
+    marks = ("o", "D") if side == PAPER else ("s", "^")
+    return as_plotly({"color": mixed(colour, "white", PAPER_LIGHTER) if side == PAPER else colour, "markersize": 4,
+                      **STYLES[side], "marker": marks[name != FORMULATIONS[0]]}, fill=FILLED if side == FAST else OPEN)

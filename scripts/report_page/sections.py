@@ -5,17 +5,17 @@ import os
 from html import escape
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
-from lib.pages.document import as_markdown
-from lib.programs.messages import one_line
+from lib.pages.document import Paragraph, as_markdown
+from lib.programs.messages import UnusableFile, one_line
 from lib.programs.places import RECORDED, ROOT
 from lib.records import findings
-from lib.records.formats import FAST, an_object, checked, printable_context, read_json, read_text
+from lib.records.formats import FAST, an_object, checked, printable_context, read_json, read_text, require
 from report_page import of_accuracy, of_flows, of_history, of_limits, of_practice, of_tables
 from report_page.charts import Chart
 from report_page.markup import as_html, section_of
 from studies import STUDIES
 from studies.accuracy.lines import read_accuracy
-from studies.claims.judge import claims_table, read_claims_table
+from studies.claims.judge import EXPLAINED, claims_table, read_claims_table
 from studies.fluid.schema import read_fluid
 from studies.limits.schema import read_limits
 from studies.longruns.schema import read_longruns
@@ -27,6 +27,8 @@ from studies.turbulence.schema import read_turbulence
 RAW, REPORT = "raw.json", "report.md"
 # Of the conditions in raw files those that are told: a file of tables has the name of the host too.
 TOLD = (*CONDITIONS, "timed_on", "threads_timed_on", "split_kernels", "version")
+PICTURE, PNG = "methods.png", b"\x89PNG\r\n"  # and how its file begins
+TABLES = "tables"  # whose raw file is not of the format of the other studies
 NO_HISTORY = ("No history was given: <code>scripts/reproduce report --history FILE</code> draws one, which"
               " <code>scripts/reproduce table1 --history FILE</code> and"
               " <code>scripts/check_regression --history FILE</code> write.")
@@ -81,12 +83,18 @@ def missing(sources, *homes):
 
 
 def answer(sources):
-    if sources.is_whole:
-        text = section_of(read_text(os.path.join(ROOT, "README.md")), "Three answers")
-        return Section("answer", "The answer", as_html(text))
-    names = ", ".join(sources.folders)
-    return Section("answer", "The answer", f"<p>This page shows one run: {names}. The answers of the project rest on"
-                   " all recorded studies; <code>scripts/reproduce report</code> makes their page.</p>")
+    readme, results = (text_in(os.path.join(ROOT, *path)) for path in (("README.md",), ("results", "README.md")))
+    about = as_html(readme.partition("\n## ")[0].partition("\n\n")[2])
+    words = (("Scenes, and words of this page", as_html(section_of(results, "Scenes and words"))),)
+    if not sources.is_whole:
+        names = ", ".join(sources.folders)
+        return Section("answer", "The answer", f"{about}<p>This page shows one run: {names}. The answers of the project"
+                       " rest on all recorded studies; <code>scripts/reproduce report</code> makes their page.</p>",
+                       folded=words)
+    lacking = [study.name for study in STUDIES if sources.path(study.home) is None]
+    return Section("answer", "The answer", about + as_html(section_of(readme, "Three answers")), folded=words, missing=(
+        f"The answers rest on all studies as they were recorded; of these {', '.join(lacking)} are not on this page.",
+    ) if lacking else ())
 
 
 def tables(sources):
@@ -129,19 +137,36 @@ def practice(sources):
 
 def turbulence(sources):
     fluid, study = sources.read("fluid", read_fluid), sources.read("turbulence", read_turbulence)
-    charts, html = [], ""
-    if picture := sources.path("fluid", "methods.png"):
-        with open(picture, "rb") as stream:
-            data = base64.b64encode(stream.read()).decode("ascii")
-        html = ('<div class="wide" tabindex="0"><img alt="Vorticity on the sphere, at the start and late by each'
-                f' method." src="data:image/png;base64,{data}"></div>')
+    charts, html, lacking = [], "", [*missing(sources, "fluid", "turbulence")]
     if fluid:
         charts.append(of_flows.spectra(fluid))
-    found = sources.path("turbulence", findings.FILE)
-    if study and found:
-        charts.append(of_flows.statistics(study, findings.read_findings(found, "turbulence", TurbulenceFindings)))
-    return Section("turbulence", "Turbulence", html, charts=tuple(charts),
-                   missing=missing(sources, "fluid", "turbulence"))
+        picture = sources.path("fluid", PICTURE)
+        html = picture_html(picture) if picture else ""
+        lacking += [] if picture else [rendered_anew("fluid", PICTURE)]
+    if study:
+        found = sources.path("turbulence", findings.FILE)
+        charts += [of_flows.statistics(study, findings.read_findings(found, "turbulence", TurbulenceFindings))
+                   ] if found else []
+        lacking += [] if found else [rendered_anew("turbulence", findings.FILE)]
+    return Section("turbulence", "Turbulence", html, charts=tuple(charts), missing=tuple(lacking))
+
+
+def rendered_anew(study, file):
+    return (f"Not on this page: {file} of the study {study}. <code>scripts/render {study}</code> makes it from the raw"
+            " file.")
+
+
+def picture_html(path):
+    """Returns the HTML of the picture of a flow. Throws UnusableFile."""
+    try:
+        with open(path, "rb") as stream:
+            data = stream.read()
+    except OSError as problem:
+        raise UnusableFile(f"{one_line(path)}: cannot be read: {problem.strerror}") from None
+    if not data.startswith(PNG):
+        raise UnusableFile(f"{one_line(path)}: is no PNG")
+    return ('<div class="wide" tabindex="0"><img alt="Vorticity on the sphere, at the start and late by each method."'
+            f' src="data:image/png;base64,{base64.b64encode(data).decode("ascii")}"></div>')
 
 
 def claims(sources):
@@ -149,7 +174,7 @@ def claims(sources):
     if path is None:
         return Section("claims", "The paper's claims", missing=missing(sources, "claims"))
     rows, _ = read_claims_table(path)
-    return Section("claims", "The paper's claims", as_html(as_markdown([claims_table(rows)])))
+    return Section("claims", "The paper's claims", as_html(as_markdown([Paragraph(EXPLAINED), claims_table(rows)])))
 
 
 def history(sources):
@@ -167,21 +192,31 @@ def reports(sources):
     """Shows the reports of the studies: of a whole page those that no section above draws."""
     found = [(home, sources.path(home, REPORT)) for home in sources.folders
              if not sources.is_whole or home not in DRAWN]
-    return Section("reports", "Reports", folded=tuple((title_of(home), as_html(read_text(path)))
+    return Section("reports", "Reports", folded=tuple((title_of(home), as_html(text_in(path)))
                                                       for home, path in found if path))
+
+
+def text_in(path):
+    """Returns the text of a file. Throws UnusableFile, which names it."""
+    try:
+        return read_text(path)
+    except UnusableFile as problem:
+        raise UnusableFile(f"{one_line(path)}: {problem}") from None
 
 
 def conditions(sources):
     folded = []
     for home in sources.folders:
-        context = read_json(sources.path(home), context_of)
+        context = read_json(sources.path(home), lambda document, home=home: context_of(document, home))
         rows = "".join(f"<tr><th>{name.replace('_', ' ')}</th><td>{escape(one_line(context[name]))}</td></tr>"
                        for name in TOLD if context.get(name))
         folded.append((title_of(home), f'<div class="wide" tabindex="0"><table>{rows}</table></div>'))
     return Section("conditions", "Conditions of each run", folded=tuple(folded))
 
 
-def context_of(document):
+def context_of(document, home):
+    if home != TABLES:
+        require(document, f"raw file of the study {home}", "study", home)
     return printable_context(checked(document, {"context": an_object}, "it")["context"])
 
 

@@ -170,9 +170,25 @@ class Selectors(BrowserTest):
         grey, *colours = self.of("speed", "chart.plot.data.map(({marker, customdata}) => [marker.color, customdata])")
         self.assertEqual({row for _, drawn in colours for row in drawn}, front)
         self.assertEqual({*grey[1]}, {*rows} - front)
-        looks = {each["color"] for each in chart["looks"].values()}
+        looks = {each["color"] for name, each in chart["looks"].items() if name != chart["beaten"]}
         self.assertLessEqual({colour for colour, _ in colours}, looks)
         self.assertNotIn(grey[0], looks)
+
+    def test_no_two_series_that_are_drawn_are_alike_in_grey(self):
+        self.open()
+        looks = "chart.plot.data.map(({mode, marker, line}) => JSON.stringify([mode, [marker.symbol].flat()[0]"\
+                ".replace(/-open.*/, ''), [marker.symbol].flat()[0], line.dash, line.width]))"
+        for name in self.charts:
+            options = {selector: self.of(name, f"[...chart.control('{selector}').options].map(each => each.value)")
+                       for selector in ("scene", "n") if self.of(name, f"!!chart.control('{selector}')")}
+            for scene in options.get("scene", [""]):
+                for n in options.get("n", [""]):
+                    for selector, value in (("scene", scene), ("n", n)):
+                        if value:
+                            self.select(name, selector, value)
+                    drawn = self.of(name, looks)
+                    with self.subTest(chart=name, scene=scene, n=n):
+                        self.assertEqual(len(set(drawn)), len(drawn), drawn)
 
     def test_by_keyboard(self):
         self.open()
@@ -226,12 +242,27 @@ class Points(BrowserTest):
         self.open()
         rows = self.of("speed", "[...chart.plot.data.at(-1).customdata]")
         self.browser.click(*self.place_of("speed", rows[0]))
-        self.awaited("location.hash.includes('speed.point')")
+        self.awaited("/speed.point=[a-z0-9]/.test(location.hash)")
         line = commands(self.charts["speed"])[rows[0]]
         self.assertEqual(self.of("speed", "chart.command.value"), line)
         self.assertEqual(self.of("speed", "Number(chart.points.value)"), rows[0])
         self.of("speed", "chart.figure.querySelector('button').click()")
         self.assertEqual(self.value("getSelection().toString() || document.activeElement.value"), line)
+
+    def test_the_chart_tells_of_a_point_that_is_chosen_from_the_list(self):
+        self.open()
+        self.of("speed", "chart.figure.scrollIntoView()")
+        row = self.of("speed", "chart.order.at(-1)")
+        self.of("speed", f"(chart.points.value = {row}, chart.points.dispatchEvent(new Event('change')))")
+        text = self.awaited("document.querySelector('#speed .hoverlayer .hovertext')?.textContent")
+        self.assertIn(self.value(f"told({json.dumps(column(self.charts['speed'], 'error')[row])})"), text)
+
+    def test_enter_in_the_command_does_nothing(self):
+        self.open()
+        self.of("speed", "chart.command.focus()")
+        self.browser.press("Enter", 13)
+        time.sleep(0.2)
+        self.assertEqual(self.value("location.search + document.querySelectorAll('form').length"), "0")
 
     def test_the_table_behind_has_what_is_drawn(self):
         self.open()
@@ -268,10 +299,40 @@ class Address(BrowserTest):
         self.open("#speed.n=33")
         chosen = self.drawn("speed")
         self.value("document.querySelector('nav a[href=\"#turbulence\"]').click()")
-        self.awaited("location.hash === '#turbulence'")
+        self.awaited("location.hash.includes('at=turbulence')")
         self.assertEqual(self.drawn("speed"), chosen)
         self.select("limits", "scene", "rough")
         self.assertIn("speed.n=33", self.value("location.hash"))
+        self.value("location.hash = '#turbulence'")
+        self.awaited("location.hash.includes('at=turbulence')")
+        self.load(self.url + self.value("location.hash"))
+        self.assertLess(abs(self.value("document.getElementById('turbulence').getBoundingClientRect().top")), 50)
+        self.value("charts.forEach(chart => chart.begin())")
+        self.assertEqual(self.drawn("speed"), chosen)
+        self.load(self.url + "#limits.scene=rough")  # to its chart, though nothing says `at`
+        self.assertLess(abs(self.value("document.getElementById('limits').getBoundingClientRect().top")), 50)
+
+    def test_it_says_what_is_drawn_when_another_option_had_to_be_chosen(self):
+        self.open()
+        self.select("speed", "scene", "smooth, T = 5")
+        self.select("speed", "n", "257")
+        self.select("speed", "scene", "smooth, T = 50")
+        self.assertEqual(self.of("speed", "chart.control('n').value"), "65")  # the one of first sight
+        self.assertIn("speed.n=65", self.value("location.hash"))
+
+    def test_a_point_is_found_again_by_its_run_and_forgotten_with_the_selection(self):
+        self.open()
+        row = self.of("speed", "chart.order[3]")
+        self.of("speed", f"chart.show({row}, true)")
+        address = self.value("location.hash")
+        self.load(self.url + address)
+        self.value("charts.forEach(chart => chart.begin())")
+        self.assertEqual(self.of("speed", "Number(chart.points.value)"), row)
+        self.select("speed", "n", "33")
+        self.select("speed", "n", "65")
+        self.assertNotEqual(self.of("speed", "Number(chart.points.value)"), row)
+        names = self.of("speed", "chart.rows.map(chart.named)")
+        self.assertEqual(len(set(names)), len(names))
 
 
 class Looks(BrowserTest):

@@ -27,6 +27,7 @@ PAGE, HISTORY = (os.path.join(ROOT, "scripts", name) for name in ("page", "histo
 HERE = os.path.join(ROOT, "scripts", "report_page")
 INTEGRATE = program("integrate")
 MAX_BYTES, MAX_LINES = 12 * 10**6, 200
+SEEN = 3  # least contrast of marks that are no text, by WCAG 2.1
 IN_ORDER = ["The answer", "Table 1 and Table 2", "Speed against accuracy", "Where methods fail",
             "Energy error against spectrum error", "What people run", "Turbulence", "The paper's claims", "History",
             "Reports", "Conditions of each run"]
@@ -114,24 +115,29 @@ class WholePage(PageTest):
     def test_points_look_as_in_the_still_charts_and_stand_out_from_a_dark_page(self):
         from lib.pages.chart_panels import FAMILY_COLOURS, FORMULATION_COLOURS, look
         from lib.records.integrators import EXPONENTIAL
-        from report_page.charts import CONTRAST, DARK_GROUND, contrast
+        from report_page.charts import BEATEN, CONTRAST, DARK_GROUND, GREY, contrast
 
         integrators = listed_integrators()
         speed, tables = (self.charts[name]["looks"] for name in ("speed", "tables"))
         for label, name, tolerance in (("rk8", "rk8_frame", TIGHT), ("elp4, 1e-13", "elp4_frame", TIGHT),
                                        ("elp4, 1e-8", "elp4_frame", 1e-8)):
             self.assertEqual(speed[label]["color"], look(integrators[name], tolerance)["color"])
-        for label, symbol in (("rk8", "hexagon"), ("elp4, 1e-13", "diamond-open"), ("elp4, 1e-8", "diamond-open-dot")):
+        for label, symbol in (("rk8", "triangle-right"), ("elp4, 1e-13", "diamond-open"),
+                              ("elp4, 1e-8", "diamond-open-dot")):
             self.assertEqual(speed[label]["symbol"], symbol)  # by what they keep
         self.assertEqual(tables["algebra, fast"]["color"], FORMULATION_COLOURS["algebra"][0])
         self.assertEqual(self.charts["kept"]["looks"]["exponential Lie–Poisson"]["color"],
                          FAMILY_COLOURS[EXPONENTIAL][0])
         for name, chart in self.charts.items():
             for series, each in chart["looks"].items():
-                self.assertGreaterEqual(contrast(each["dark"], DARK_GROUND), CONTRAST, (name, series))
-        # In grey, classes are told apart by their marks.
-        marks = [each["symbol"] for each in self.charts["kept"]["looks"].values()]
-        self.assertGreaterEqual(len(set(marks)), 7)
+                least = SEEN if series == BEATEN else CONTRAST
+                self.assertGreaterEqual(contrast(each["dark"], DARK_GROUND), least, (name, series))
+        self.assertGreaterEqual(contrast(GREY["color"], "#ffffff"), SEEN)
+        # In grey, series are told apart by their marks.
+        for name in ("kept", "statistics"):
+            marks = [each["symbol"] for each in self.charts[name]["looks"].values()]
+            self.assertEqual(len(set(marks)), len(marks))
+            self.assertGreater(len(marks), 7)
 
     def test_points_are_those_of_the_raw_file(self):
         raw = json.loads(text_of(RECORDED, "accuracy", "raw.json"))["tables"]["runs"]
@@ -147,6 +153,18 @@ class WholePage(PageTest):
             found = runs[tuple(key)]
             self.assertEqual((min(found["cpu_seconds"]), found["sweeps"]), (seconds, sweeps))
             self.assertAlmostEqual(found["equivalent_products"] / products, 1, places=5)
+
+    def test_settings_of_turbulence_are_repeated_by_the_steps_that_were_taken(self):
+        raw = json.loads(text_of(RECORDED, "turbulence", "raw.json"))["tables"]["runs"]
+        steps = {row[raw["columns"].index("step")] for row in raw["rows"]}
+        self.assertGreater(len([each for each in steps if len(repr(each)) > 10]), 1)  # not all are short
+        self.assertLessEqual({float(options_of(line)["step"]) for line in commands(self.charts["statistics"])}, steps)
+
+    def test_words_are_said_before_they_are_used(self):
+        answer = re.search(r'<section id="answer".*?</section>', self.html, re.DOTALL)[0]
+        for word in ("isospectral", "arXiv:2509.20620", "<code>_frame</code>", "ħ is about 2/n", "<em>Published</em>",
+                     "<em>sweep</em>", "<em>product</em>", "developed", "rough"):
+            self.assertIn(word, answer)
 
     def test_few_samples_judge_nothing(self):
         from report_page.of_flows import statistics
@@ -236,7 +254,16 @@ class Markup(PageTest):
         self.assertNotIn("caption", html)
         self.assertEqual(as_html("seen ([more](results/README.md#a)) and [there](https://arxiv.org)"),
                          '<p>seen and <a href="https://arxiv.org">there</a></p>')
+        self.assertEqual(as_html("<b onclick='x()'>a</b>\n\n<script>b()</script>"),
+                         "<p>&lt;b onclick='x()'&gt;a&lt;/b&gt;</p>\n<p>&lt;script&gt;b()&lt;/script&gt;</p>")
         self.assertEqual(section_of("# a\n\n## b\n\nc\n\n## d\n", "b"), "c")
+
+
+class Lines(unittest.TestCase):
+    def test_names_are_no_shell_text(self):
+        from lib.pages.integrate_line import integrate_line, start_of
+        line = integrate_line(start_of("smooth", 9), 9, "rk4; touch x", 0.1, 1.0)
+        self.assertEqual(shlex.split(line)[shlex.split(line).index("--integrator") + 1], "rk4; touch x")
 
 
 class OneRun(PageTest):
@@ -272,6 +299,21 @@ class OneRun(PageTest):
         pairs = [pair for pair in zip(column(old["kept"], "energy"), column(new["kept"], "energy")) if len({*pair}) > 1]
         self.assertEqual(len(pairs), 1)
         self.assertAlmostEqual(pairs[0][1] / pairs[0][0], 1.5, places=4)
+
+    def test_what_lies_beside_a_raw_file_is_missed_too(self):
+        for home, file in (("turbulence", "findings.json"), ("fluid", "methods.png")):
+            shutil.copytree(os.path.join(RECORDED, home), self.path(home))
+            self.assertNotIn(f"Not on this page: {file}", self.page_of_study(home, self.path(home))[0])
+            os.remove(self.path(home, file))
+            self.assertIn(f"Not on this page: {file} of the study {home}",
+                          self.page_of_study(home, self.path(home))[0])
+
+    def test_a_page_that_lacks_studies_says_so_beside_its_answers(self):
+        from report_page.page import page
+        from report_page.sections import recorded_sources
+        shutil.copytree(os.path.join(RECORDED, "fluid"), self.path("results", "fluid"))
+        html, _ = page_of(page(recorded_sources(self.path("results"))).decode("utf-8"))
+        self.assertRegex(html, "The answers rest on all studies .* table1, table2, limits, accuracy, .* are not on")
 
     def test_a_study_without_a_point_is_said(self):
         document = json.loads(text_of(RECORDED, "turbulence", "findings.json"))
@@ -318,10 +360,19 @@ class Program(PageTest):
                                   (("--out", "x", "--history", self.path("none")), self.path("none")),
                                   (("--out", "x", "--study", "limits", "--results", self.path("run")), "raw.json"),
                                   (("--out", "x", "--study", "limits", "--results", self.folder), "raw.json"),
+                                  (("--out", "x", "--study", "scaling", "--results",
+                                    os.path.join(RECORDED, "theorem")), "raw file of the study scaling"),
                                   *((("--out", "x", "--study", name, "--results", self.path("run")), "raw.json")
                                     for name in ("table1", "theorem"))):
             with self.subTest(arguments=arguments), self.unchanged():
                 self.assert_refused(self.page(*arguments), "page: ", *parts)
+        for home, file, contents, *parts in (("fluid", "methods.png", "no picture", "methods.png", "no PNG"),
+                                             ("theorem", "report.md", b"\xff", "report.md", "UTF-8")):
+            shutil.copytree(os.path.join(RECORDED, home), self.path(home))
+            with open(self.path(home, file), "wb") as stream:
+                stream.write(contents if isinstance(contents, bytes) else contents.encode("utf-8"))
+            self.assert_refused(self.page("--study", home, "--results", self.path(home), "--out", "x"), "page: ",
+                                *parts)
 
 
 class History(FolderTest):

@@ -36,8 +36,8 @@ def start_of_code(name, imports, code):
 def integrate_line(start, n, integrator, step, time, tolerance=TIGHT, solver=FAST, program=PROGRAM):
     """Returns the line that runs a listed integrator from a Start, step by step up to a time."""
     arguments = (*start.arguments, *(("--tolerance", repr(tolerance)) if tolerance != TIGHT else ()))
-    return (f"{start.first}{program} --n {n} {shlex.join(arguments)} --integrator {integrator} --solver {solver}"
-            f" --step {step!r} --time {time!r}")
+    return (f"{start.first}{program} --n {n} {shlex.join(arguments)} --integrator {shlex.quote(integrator)}"
+            f" --solver {solver} --step {step!r} --time {time!r}")
 
 
 def formulation_line(n, formulation, stages, step, time, solver):

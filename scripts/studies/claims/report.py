@@ -7,14 +7,14 @@ from lib.programs.messages import UnusableFile
 from lib.records.findings import FILE, read_findings
 from lib.records.formats import FORMULATIONS, Study, read_json
 from lib.records.table_file import Run
-from lib.judging.verdicts import FEWEST, ratio_of
+from lib.judging.verdicts import ratio_of
 from lib.pages.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
 from lib.pages.numbers import MISSING, percentage, scientific, three_digits
 from lib.pages.rendering import Rendering, beside
 from studies.accuracy import judge as accuracy
 from studies.claims import judge
-from studies.claims.judge import (CODES, SPLIT, checks, choices, competitive, figures, interpreted, model_ratios,
-                                  product_shares, thread_blocks, thread_times)
+from studies.claims.judge import (CODES, EXPLAINED, SPLIT, checks, choices, competitive, figures, interpreted,
+                                  model_ratios, product_shares, thread_blocks, thread_times)
 from studies.claims.parallel_model import PROCESSORS, path_products
 from studies.claims.schema import SWEEPS, octave_run, read_claims
 from studies.tables.comparison import (Comparison, both_sides, ratio_text, ratios_section, read_published,
@@ -75,15 +75,8 @@ def sections(evidence):
     study = evidence.study
     return [
         Heading("What became of the paper's claims", 1),
-        Paragraph("Each claim against the codes it was looked at in. What it means is said in results/README.md. Time"
-                  " ratios: for (a) and (b) the fastest other row over the row that is said to be fastest, for (c)"
-                  " algebra over the fastest other; range over n, in brackets that of the 95 % intervals. Exponentials:"
-                  " the paper speaks of the methods of Bogfjellmo and Marthinsen; their ratio is theirs over Gauss, in"
-                  " published code at equal error. Ours are other methods; their ratio is Gauss over the exponential"
-                  " method at equal error. Parallel: the fastest other formulation over algebra, range over n and s."
-                  f" Order: of the cheapest setting, undecided with fewer than {FEWEST} samples. Fast forms, plain"
-                  " sweeps: Picard sweeps from a cold start on full matrices. The paper's column has ratios of its"
-                  " printed seconds only."),
+        Paragraph("Each claim against the codes it was looked at in. What it means is said in results/README.md."
+                  f" {EXPLAINED}"),
         *processor_sections(evidence.processors()),
         judge.claims_table(evidence.rows()),
         *(octave_sections(study, evidence.published) if study.tables["octave"] else []),
@@ -100,7 +93,7 @@ def processor_sections(processors):
     same_cpu = all(each["cpu"] == tables["cpu"] for each in processors.values())
     if same_cpu and claims["blas_kernels"] == tables["blas_kernels"]:
         return []
-    names = {"claims": "Octave, samples and threads", "tables": "plain and optimised C++", "avx2": "AVX2 tables"}
+    names = {"claims": "Octave, samples and threads", "tables": "published and fast code", "avx2": "AVX2 tables"}
     places = "; ".join(f"{names[name]}: {each['cpu']}, OpenBLAS kernels {each['blas_kernels']}"
                        for name, each in processors.items())
     return [Paragraph(f"Columns of the table were not all measured on one processor with the same kernels. {places}.")]
@@ -162,11 +155,11 @@ def share_sections(evidence):
                        three_digits(cell.products), three_digits(equivalent) if equivalent else MISSING,
                        percentage(shares[key]), *map(share_text, (plain, optimised))])
     columns = (Column("n"), Column("s"), Column("formulation", align="left"), Column("sweeps"), Column("products"),
-               Column("full products, optimised"), *(Column(name, "share of products")
-                                                     for name in ("Octave", "plain C++", "optimised C++")))
+               Column("full products, fast"), *(Column(name, "share of products")
+                                                     for name in ("Octave", "published code", "fast code")))
     return [Heading("Why they differ"),
-            Paragraph("A run of 50 steps. Sweeps and products are those of Octave and of plain C++, which are the same"
-                      " up to rounding; full products are those of optimised C++. Share of products: what the products"
+            Paragraph("A run of 50 steps. Sweeps and products are those of Octave and of published code, which are the"
+                      " same up to rounding; full products are those of fast code. Share of products: what the products"
                       " take at the rate measured in the same process, over the whole time. The rest goes to Poisson"
                       " solves, sums over stages and norms, all O(n²), and in Octave to interpretation. Above 100 %"
                       " products of an adjoint took less than a plain one."),
