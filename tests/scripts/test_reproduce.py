@@ -506,6 +506,12 @@ class PageToOpen(ReproduceTest):
         self.assertEqual(self.calls("page["),
                          [f"page[] --out {self.out} --study limits --results {self.out} --optional"])
 
+    def test_a_record_has_none_of_its_own(self):
+        self.out = self.path("root", "results", "recorded", "limits")
+        done = self.reproduced("limits")
+        self.assertEqual(set(os.listdir(self.out)), STUDY_RESULTS - {PAGE})
+        self.assertEqual((self.calls("page["), done.stderr.splitlines()[-1]), ([], f"Results are in {self.out}"))
+
     def test_without_one_the_run_succeeds_and_says_so(self):
         self.write(f"out/{PAGE}", "of an earlier run")
         done = self.reproduce("limits", PAGE="none")

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 from lib.judging.drift import VERDICTS
 from lib.pages.numbers import power
-from studies.longruns.schema import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, PLAIN, PROJECTED, QUANTITIES,
-                                     SPECTRUM, STRUCTURE)
+from studies.longruns.schema import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL_LOOSE, PLAIN,
+                                     PROJECTED, QUANTITIES, SPECTRUM, STRUCTURE)
 
 
 ERRORS = {ENERGY: (1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-9), SPECTRUM: (1e-4, 1e-6, 1e-8, 1e-10)}
@@ -42,6 +42,12 @@ class Place(NamedTuple):
         """Tells whether structure is the cheapest; where no rival reaches the error at all it is."""
         ratio = self.ratio(RIVALS[self.quantity])
         return bool(self.structure) and (ratio is None or ratio < 1)
+
+    @property
+    def loose_pays(self):
+        """Tells whether exponential methods at a loose tolerance, whose energy drifts, are the cheapest."""
+        loose, rival = self.prices[EXPONENTIAL_LOOSE], self.cheapest_of(PLAIN)
+        return bool(loose) and (rival is None or loose.products < rival.products)
 
     @property
     def is_cheaper_than_spectrum(self):
@@ -107,6 +113,8 @@ def figures_of_places(places, quantity):
                                       for n in {place.n for place in places}}}.items():
         found[f"pays.{quantity}.{name}places"] = len(some)
         found[f"pays.{quantity}.{name}cells"] = sum(place.pays for place in some)
+        if quantity == ENERGY:
+            found[f"pays.{quantity}.{name}loose_cells"] = sum(place.loose_pays for place in some)
     return found
 
 

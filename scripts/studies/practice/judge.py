@@ -5,7 +5,7 @@ from typing import List, NamedTuple
 
 from lib.judging.verdicts import fastest, ratio_of
 from lib.records.formats import number, one_of, optional, positive, text, truth, whole
-from lib.records.integrators import EXPONENTIAL, GAUSS, KEPT, MAGNUS, RKMK, is_new
+from lib.records.integrators import EXPONENTIAL, GAUSS, KEPT, MAGNUS, RKMK, RUNGE_KUTTA, is_new
 from lib.records.settings import ENERGY_BOUNDED, keeps
 from studies.practice.schema import METHOD, PRACTICE, QUFLOW, ROLES, SCENES, WANTED, finite_or_none
 
@@ -164,6 +164,8 @@ def leading_results(found):
 
 # ---- figures for pages
 
+# The step of the script that pages show to users of quflow, over the practice's: 20 ħ over ħ/4.
+SCRIPT = 80
 NUMBERS = ("steps", "step", "step_over_practice", "scaled_step", "seconds", "error", "energy_error", "spectrum_error",
            "capped", *(f"gain_over_{other}{end}" for other in (PRACTICE, QUFLOW) for end in ("", "_low", "_high")))
 
@@ -174,7 +176,8 @@ def figures(found):
     SCENE.nN.practice.* and SCENE.nN.quflow.* are of the practice and of quflow's own step. SCENE.nN.WANTED.WHO.* are of
     a method, or of the cheapest of a group: WANTED is same or tenth, WHO a group or an integrator, with _bounded behind
     it at the tolerance of bounded energy. Each has what NUMBERS names: seconds of CPU time for a unit of simulated
-    time, and gain_over_quflow, how many times as long quflow takes. SCENE.nN.threads.NAME.pP.gain is of P threads.
+    time, and gain_over_quflow, how many times as long quflow takes; of a Runge–Kutta method whose step may be that of
+    the script also script_gain_over_quflow, at that step. SCENE.nN.threads.NAME.pP.gain is of P threads.
     """
     told = {}
     for row in found.results:
@@ -193,3 +196,12 @@ def figures(found):
 def put(told, key, row):
     if row.seconds is not None:
         told.update({f"{key}.{name}": value for name in NUMBERS if (value := getattr(row, name)) is not None})
+        told.update({f"{key}.script_{name}": value for name, value in script_gains(row).items()})
+
+
+def script_gains(row):
+    """Returns what the step of the script gains, by name, where it is shorter and every step takes as long."""
+    if row.family != RUNGE_KUTTA or row.keeps != NOTHING or row.step_over_practice < SCRIPT:
+        return {}
+    return {name: SCRIPT / row.step_over_practice * gain for name in (f"gain_over_{PRACTICE}", f"gain_over_{QUFLOW}")
+            if (gain := getattr(row, name)) is not None}
