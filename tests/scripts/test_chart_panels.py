@@ -1,6 +1,7 @@
 """What all charts share: one look for each method, and labels at the ends of lines."""
 
 import itertools
+import math
 import unittest
 
 from drawing import DrawingTest, lines_of
@@ -46,6 +47,22 @@ class Looks(DrawingTest):
             self.assertEqual(self.look(name, tolerance)["linestyle"], line, name)
         for name, loose, lighter in (("elp6", 1e-8, True), ("group2", 1e-7, True), ("magnus5", 1e-8, False)):
             self.assertEqual(self.lightness(self.look(name, loose)) > self.lightness(self.look(name)), lighter, name)
+
+
+class Ticks(DrawingTest):
+    def test_an_axis_has_two_figures_at_least_and_powers_of_ten_alone_where_they_are_enough(self):
+        module = self.module("lib.pages.chart_panels")
+        for low, high, seen in ((3e-10, 3e-9, 2), (1.2, 8.0, 2), (1e-12, 1e-3, 5)):
+            with module.own_style():
+                figure, ((axes,),) = module.new_figure("Title", 1, 1, 5.0)
+                module.logarithmic(axes)
+                axes.set_ylim(low, high)
+                figure.canvas.draw()
+            ticks = [each for each in axes.get_yticks() if low <= each <= high]
+            self.assertGreaterEqual(len(ticks), seen)
+            powers = [abs(math.log10(each) - round(math.log10(each))) < 1e-9 for each in ticks]
+            self.assertEqual(all(powers), seen == 5)
+            self.assertTrue(all(label.get_text() for label in axes.get_yticklabels()))
 
 
 class Labels(DrawingTest):

@@ -5,6 +5,7 @@ Nothing of the machine, the date or a user's settings enters a figure, so that t
 
 import io
 import itertools
+import math
 import re
 import textwrap
 import zlib
@@ -13,7 +14,7 @@ import matplotlib.style
 from matplotlib.colors import hsv_to_rgb, to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullLocator
 
 from lib.records.settings import TIGHT, keeps
 from lib.records.integrators import (ADAMS, BY_STAGES, COMPOSITION, DIRECT_GAUSS, EXPONENTIAL, GAUSS, MAGNUS, RKMK,
@@ -201,10 +202,20 @@ def label_sizes(panels, sizes):
         axes.grid(False, axis="x")
 
 
+class Decades(LogLocator):
+    """Ticks at powers of ten, and where fewer than two of them are seen at twice and five times each too."""
+
+    def tick_values(self, vmin, vmax):
+        seen = math.floor(math.log10(vmax)) - math.ceil(math.log10(vmin)) + 1
+        self.set_params(subs=(1.0, 2.0, 5.0) if seen < 2 else (1.0,))
+        return super().tick_values(vmin, vmax)
+
+
 def logarithmic(axes):
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.yaxis.set_major_locator(LogLocator(numticks=12))
+    axes.yaxis.set_major_locator(Decades(numticks=12))
+    axes.yaxis.set_major_formatter(LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(math.inf, math.inf)))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_minor_locator(NullLocator())
 
