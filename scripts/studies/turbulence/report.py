@@ -23,7 +23,7 @@ CHARTS = (
 
 def turbulence_sections(study, found, charts):
     """Returns the document of a Turbulence and its Judgements by n; `charts` are the names of the charts beside it."""
-    times = ", ".join(dict.fromkeys(f"T = {size.time:g}" for size in study.sizes.values()))
+    times = " and ".join(dict.fromkeys(f"T = {size.time:g}" for size in study.sizes.values()))
     return [
         Heading("Statistics of turbulence, and what they cost", 1),
         Paragraph(f"Do runs to {times} with other methods, longer steps or looser tolerances have the same statistics"
@@ -212,11 +212,13 @@ def trust_parts(study, found):
 
 def transient_text(study, moving):
     """Says where averages are those of a transient."""
+    few = [n for n, size in study.sizes.items() if size.samples < FEWEST]
+    unjudged = f" Too few samples for this: n = {', '.join(map(str, few))}." if few else ""
     if not moving:
-        return " No band changes beyond chance."
+        return f" No band changes beyond chance.{unjudged}"
     places = ", ".join(f"n = {n}, T = {study.sizes[n].time:g}" for n in moving)
     return (f" So at {places} the averages are those of a transient at equal times, not of a stationary state, and they"
-            " depend on T.")
+            f" depend on T.{unjudged}")
 
 
 def trust_table(study, found):
