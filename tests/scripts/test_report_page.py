@@ -160,6 +160,13 @@ class WholePage(PageTest):
         self.assertGreater(len([each for each in steps if len(repr(each)) > 10]), 1)  # not all are short
         self.assertLessEqual({float(options_of(line)["step"]) for line in commands(self.charts["statistics"])}, steps)
 
+    def test_what_is_within_chance_is_shaded_from_below_all_points(self):
+        chart = self.charts["statistics"]
+        (shape,) = chart["shapes"]
+        self.assertEqual(shape["y1"], 1)
+        self.assertLess(shape["y0"], min(column(chart, "distance")))
+        self.assertEqual([self.charts[name]["shapes"] for name in ("speed", "kept")], [[], []])
+
     def test_words_are_said_before_they_are_used(self):
         answer = re.search(r'<section id="answer".*?</section>', self.html, re.DOTALL)[0]
         for word in ("isospectral", "arXiv:2509.20620", "<code>_frame</code>", "ħ is about 2/n", "<em>Published</em>",
