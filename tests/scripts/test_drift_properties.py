@@ -12,7 +12,7 @@ from properties import SEEDS, decades, fails, holds_for
 from scipy import stats
 
 from lib.judging import drift, trend
-from lib.judging.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, MIN_DRIFT, MIN_GROWTH, LOST,
+from lib.judging.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, MIN_DRIFT, MIN_GROWTH, LOST, NO_TREND,
                                MAX_TREND, ROUNDING, Estimate, growth_of, judged, slope_of, verdict_on)
 from lib.judging.trend import FEWEST_ROUNDS, MIN_CHANGE, LEVEL, Trend
 from lib.judging.verdicts import UNDECIDED
@@ -96,6 +96,11 @@ class Verdicts(unittest.TestCase):
             for value, expected in zip(one, two):
                 self.assertAlmostEqual(value, expected, delta=1e-6 * (1 + abs(expected)))
 
+    def test_equal_errors_are_bounded_whatever_the_unit_of_time(self):
+        for unit in (1.0, 0.1, 1 / 3, 7.7, *(1.001**k for k in range(100))):
+            errors = [(50.0 * unit * k, 3.1622776601683794e-12) for k in range(1, 61)]
+            self.assertEqual(judged(errors, True, [(time, 0.5 * error) for time, error in errors]).verdict, BOUNDED)
+
     @holds_for(series=SERIES)
     def test_a_drift_down_is_judged_as_one_up(self, series):
         errors, means = series
@@ -136,7 +141,8 @@ class Verdicts(unittest.TestCase):
         found = said(1, 1, 1)
         self.assertEqual(found, said(1, -1, -1))  # trends up and down
         grows = growth[0] - growth[1] > MIN_GROWTH or abs(drift_found[0]) - drift_found[1] > MIN_DRIFT
-        stays = all(abs(value) <= half and abs(value) < MAX_TREND for value, half in (trend_found, drift_found))
+        stays = all(abs(value) - half <= NO_TREND and abs(value) < MAX_TREND
+                    for value, half in (trend_found, drift_found))
         self.assertEqual(found, GROWS if grows else BOUNDED if stays else UNDECIDED)
         without = verdict_on([1e-6], None, None, None, True)
         self.assertEqual(without, UNDECIDED)

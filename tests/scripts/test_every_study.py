@@ -368,18 +368,20 @@ class Scaling(StudyTest):
 
     def test_another_scene_and_one_start(self):
         scaling, plan = (studies.module("scaling", name) for name in ("run", "plan"))
-        found = read_rough(self.ran("scaling", "--n", "9", "--scene", "rough", "--start", "5", "--integrator",
+        found = read_rough(self.ran("scaling", "--n", "33", "--scene", "rough", "--start", "5", "--integrator",
                                     "group2_frame", "--repetitions", "1"))
         self.assertEqual({start for start, *_ in found.points}, {5.0})
-        # Steps of another flow: the fast form forms other numbers of products.
-        (point,) = (each for each in plan.points_of(built.entries(["group2_frame"]), [9], lambda n: "eigen", "rough",
+        # Steps of another flow, whose bands are full: the fast form forms other numbers of products.
+        (point,) = (each for each in plan.points_of(built.entries(["group2_frame"]), [33], lambda n: "eigen", "rough",
                                                     (5.0,)) if each["ablation"] == "fast")
         counted = {}
         for scene in ("smooth", "rough"):
-            (W,) = scaling.states_of(scene, 9, (3.5,)).values()
-            counted[scene] = scaling.count({**point, "scene": scene}, W)["sweeps"]
-        self.assertEqual(found.points[5.0, 9, "group2_frame", "fast"].sweeps, counted["rough"])
-        self.assertNotEqual(counted["rough"], counted["smooth"])
+            (W,) = scaling.states_of(scene, 33, (3.5,)).values()
+            counted[scene] = scaling.count({**point, "scene": scene}, W)
+        point = found.points[5.0, 33, "group2_frame", "fast"]
+        self.assertEqual(point.sweeps, counted["rough"]["sweeps"])
+        self.assertAlmostEqual(point.equivalent_products, counted["rough"]["equivalent_products"], 9)
+        self.assertGreater(counted["rough"]["equivalent_products"], 1.1 * counted["smooth"]["equivalent_products"])
 
 
 class Theorem(StudyTest):

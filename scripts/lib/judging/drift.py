@@ -28,6 +28,7 @@ LOST = 0.1  # one that reaches this is lost, whatever its power
 # their sign, beyond MIN_DRIFT on either side: a drift through 0 makes the error fall for a while. It is bounded if it
 # does not grow, and the intervals of trend and drift hold 0 and both are below MAX_TREND.
 MIN_GROWTH, MIN_DRIFT, MAX_TREND = 0.1, 1.0, 0.2
+NO_TREND = 1e-9  # a smaller one is rounding: that of equal errors, whose interval has no width
 
 KEPT, BOUNDED, GROWS, ALL_LOST, FAILED = "at rounding", "bounded", "growing", "lost", "failed"
 VERDICTS = (KEPT, BOUNDED, GROWS, UNDECIDED, ALL_LOST, FAILED)
@@ -110,5 +111,6 @@ def verdict_on(errors, growth, trend, drift, finished):
         return KEPT
     if growth and growth.low > MIN_GROWTH or drift and max(drift.low, -drift.high) > MIN_DRIFT:
         return GROWS
-    stays = all(each.low <= 0 <= each.high and abs(each.value) < MAX_TREND for each in (trend, drift) if each)
+    stays = all(each.low <= NO_TREND and each.high >= -NO_TREND and abs(each.value) < MAX_TREND
+                for each in (trend, drift) if each)
     return BOUNDED if trend and stays else UNDECIDED
