@@ -96,6 +96,13 @@ class Verdicts(unittest.TestCase):
             for value, expected in zip(one, two):
                 self.assertAlmostEqual(value, expected, delta=1e-6 * (1 + abs(expected)))
 
+    def test_a_window_at_a_tenth_of_the_time_is_out_in_any_unit(self):
+        errors = [(50.0 * k, 1e-3 * (1 + 0.5 * math.sin(9 * k))) for k in range(1, 61)]  # one is at 300, of 3000
+        found = growth_of(errors)
+        for unit in (1.001**k for k in range(100)):
+            for value, expected in zip(growth_of([(unit * time, error) for time, error in errors]), found):
+                self.assertAlmostEqual(value, expected, delta=1e-9)
+
     def test_equal_errors_are_bounded_whatever_the_unit_of_time(self):
         for unit in (1.0, 0.1, 1 / 3, 7.7, *(1.001**k for k in range(100))):
             errors = [(50.0 * unit * k, 3.1622776601683794e-12) for k in range(1, 61)]

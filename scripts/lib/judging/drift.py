@@ -17,7 +17,8 @@ from typing import NamedTuple, Optional
 
 from lib.judging.verdicts import LEVEL, UNDECIDED, student_t
 
-DECADE = 10  # the fit of a power begins at the last time over this
+DECADE = 10  # the fit of a power begins behind the last time over this, in any unit of time: not there by rounding
+BEYOND = 1 + 1e-9
 FEWEST_POINTS = 30  # that a power takes
 BLOCKS = 10  # of neighbouring points, of equal numbers
 
@@ -55,7 +56,8 @@ def growth_of(series):
     Values of 0 have no logarithm and are left out. None if fewer than FEWEST_POINTS remain.
     """
     last_time = series[-1][0] if series else 0.0
-    points = [(math.log(time), math.log(error)) for time, error in series if time * DECADE > last_time and error > 0]
+    points = [(math.log(time), math.log(error)) for time, error in series
+              if time * DECADE > last_time * BEYOND and error > 0]
     return estimate_of(points, 1.0) if len(points) >= FEWEST_POINTS else None
 
 
