@@ -160,6 +160,11 @@ class WholePage(PageTest):
         self.assertGreater(len([each for each in steps if len(repr(each)) > 10]), 1)  # not all are short
         self.assertLessEqual({float(options_of(line)["step"]) for line in commands(self.charts["statistics"])}, steps)
 
+    def test_the_start_of_the_flow_is_at_0_and_its_ends_are_late(self):
+        times = dict(zip(column(self.charts["spectra"], "state"), column(self.charts["spectra"], "time")))
+        self.assertEqual(times.pop("t = 0"), 0)
+        self.assertGreater(min(times.values()), 900)
+
     def test_what_is_within_chance_is_shaded_from_below_all_points(self):
         chart = self.charts["statistics"]
         (shape,) = chart["shapes"]

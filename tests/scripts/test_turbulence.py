@@ -18,6 +18,7 @@ import numpy as np
 
 import isosyrk
 from studies.turbulence import plan as turbulence_plan, run as turbulence
+from lib.programs.command_line import Stop
 from lib.records import formats
 from lib.running import problems
 from studies.turbulence import (against_reference, charts as turbulence_chart, judge as turbulence_judge,
@@ -514,6 +515,11 @@ class Plan(unittest.TestCase):
             {Setting("rk8", 0.1875, LOOSE), Setting("rk8_projected", 0.1875, LOOSE),
              Setting("algebra1", 0.03125, LOOSE), Setting("elp4", 0.125, 1e-4)})
         self.assertEqual(turbulence_plan.SIZES, (33, 65, 257))
+
+    def test_the_smallest_n_holds_all_modes_that_are_drawn(self):
+        self.assertEqual(turbulence_plan.sizes_of([33, 11, 33]), [11, 33])
+        with self.assertRaisesRegex(Stop, "--n 10: must be at least 11"):
+            turbulence_plan.sizes_of([10])
 
     def test_the_raw_file_takes_what_is_planned(self):
         for n in (33, 65, 129, 257, 513):
