@@ -352,6 +352,8 @@ class Looks(BrowserTest):
 
     def test_a_phone_has_it_without_scrolling_sideways(self):
         self.open(size=PHONE)
+        # Plotly fits its charts to a window a moment after that has changed.
+        self.awaited(f"charts.every(chart => chart.plot._fullLayout.width <= {PHONE[0]})")
         self.assertLessEqual(self.value("document.documentElement.scrollWidth"), PHONE[0])
         for name in self.charts:  # the chart itself is large enough beside its key
             width, height = self.of(name, "[chart.plot._fullLayout._size.w, chart.plot._fullLayout._size.h]")
