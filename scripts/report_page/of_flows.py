@@ -2,6 +2,7 @@
 
 from lib.judging.verdicts import FEWEST
 from lib.pages.integrate_line import integrate_line, start_of_code
+from lib.pages.numbers import percentage
 from lib.records.findings import DIGITS
 from lib.records.formats import to_digits
 from lib.records.integrators import KEPT, name_with_order
@@ -87,20 +88,20 @@ def statistics(study, found):
         band=(None, 1.0),
         note="A mark is a method with a step, over all samples; its command runs the first sample. Shaded: within"
              " chance of the reference. Filled: faithful, that is there, with energy and enstrophy kept to 1 % in every"
-             f" sample. Chance calls {alarms_text(found)} of right settings not faithful, so one or two of thirty."
-             f" Baseline: isospectral midpoint, h = ħ/4. Settings that lost a sample have no statistics; with fewer"
+             f" sample. Chance calls {alarms_text(found)} of right settings not faithful."
+             " Baseline: isospectral midpoint, h = ħ/4. Settings that lost a sample have no statistics; with fewer"
              f" than {FEWEST} samples nothing is judged, which a dot says.")
 
 
 def alarms_text(found):
     """Writes which share of right settings is called wrong, where anything is judged."""
-    return " and ".join(f"{each.false_positives:.1%} (n = {each.n})" for each in found.trust
+    return " and ".join(f"{percentage(each.false_positives)} (n = {each.n})" for each in found.trust
                         if each.decides) or "some share"
 
 
 def line_of(study, row):
     """Returns the command of a setting, whose step findings give with fewer digits than the runs."""
-    step = next(each.step for each in study.ensembles[row.n] if each[0] == row.integrator
+    step = next(each.step for each in study.ensembles[row.n] if each.integrator == row.integrator
                 and to_digits(each.step, DIGITS) == to_digits(row.step, DIGITS) and each.tolerance == row.tolerance)
     return integrate_line(start_at(row.n, 0), row.n, row.integrator, step,
                           steps_to(study.sizes[row.n].time, step) * step, row.tolerance,

@@ -51,7 +51,7 @@ def practice(study):
 
 
 def times_text(study):
-    """Writes the time T of runs, as the largest n that have each."""
+    """Writes each time T of runs with the n that have it."""
     times = {}
     for problem in study.problems.values():
         times.setdefault(problem.time, set()).add(problem.n)

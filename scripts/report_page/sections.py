@@ -6,10 +6,10 @@ from html import escape
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from lib.pages.document import Paragraph, as_markdown
-from lib.programs.messages import UnusableFile, one_line
+from lib.programs.messages import UnusableFile, naming, one_line
 from lib.programs.places import RECORDED, ROOT
 from lib.records import findings
-from lib.records.formats import FAST, an_object, checked, printable_context, read_json, read_text, require
+from lib.records.formats import FAST, an_object, checked, printable_context, read_bytes, read_json, read_text, require
 from report_page import of_accuracy, of_flows, of_history, of_limits, of_practice, of_tables
 from report_page.charts import Chart
 from report_page.markup import as_html, section_of
@@ -140,31 +140,31 @@ def turbulence(sources):
     charts, html, lacking = [], "", [*missing(sources, "fluid", "turbulence")]
     if fluid:
         charts.append(of_flows.spectra(fluid))
-        picture = sources.path("fluid", PICTURE)
-        html = picture_html(picture) if picture else ""
-        lacking += [] if picture else [rendered_anew("fluid", PICTURE)]
+        if picture := sources.path("fluid", PICTURE):
+            html = picture_html(picture)
+        else:
+            lacking.append(rendered_anew("fluid", PICTURE))
     if study:
-        found = sources.path("turbulence", findings.FILE)
-        charts += [of_flows.statistics(study, findings.read_findings(found, "turbulence", TurbulenceFindings))
-                   ] if found else []
-        lacking += [] if found else [rendered_anew("turbulence", findings.FILE)]
+        if path := sources.path("turbulence", findings.FILE):
+            found = findings.read_findings(path, "turbulence", TurbulenceFindings)
+            charts.append(of_flows.statistics(study, found))
+        else:
+            lacking.append(rendered_anew("turbulence", findings.FILE))
     return Section("turbulence", "Turbulence", html, charts=tuple(charts), missing=tuple(lacking))
 
 
 def rendered_anew(study, file):
+    """Says that a file beside a raw file is not there, and how it is made."""
     return (f"Not on this page: {file} of the study {study}. <code>scripts/render {study}</code> makes it from the raw"
             " file.")
 
 
 def picture_html(path):
     """Returns the HTML of the picture of a flow. Throws UnusableFile."""
-    try:
-        with open(path, "rb") as stream:
-            data = stream.read()
-    except OSError as problem:
-        raise UnusableFile(f"{one_line(path)}: cannot be read: {problem.strerror}") from None
-    if not data.startswith(PNG):
-        raise UnusableFile(f"{one_line(path)}: is no PNG")
+    with naming(path):
+        data = read_bytes(path)
+        if not data.startswith(PNG):
+            raise UnusableFile("is no PNG")
     return ('<div class="wide" tabindex="0"><img alt="Vorticity on the sphere, at the start and late by each method."'
             f' src="data:image/png;base64,{base64.b64encode(data).decode("ascii")}"></div>')
 
@@ -198,10 +198,8 @@ def reports(sources):
 
 def text_in(path):
     """Returns the text of a file. Throws UnusableFile, which names it."""
-    try:
+    with naming(path):
         return read_text(path)
-    except UnusableFile as problem:
-        raise UnusableFile(f"{one_line(path)}: {problem}") from None
 
 
 def conditions(sources):

@@ -17,8 +17,8 @@ from typing import NamedTuple, Optional
 
 from lib.judging.verdicts import LEVEL, UNDECIDED, student_t
 
-DECADE = 10  # the fit of a power begins behind the last time over this, in any unit of time: not there by rounding
-BEYOND = 1 + 1e-9
+DECADE = 10  # a power is fitted to what comes after the last time over this
+BEYOND = 1 + 1e-9  # a window that ends exactly there is left out, whatever rounding makes of another unit of time
 FEWEST_POINTS = 30  # that a power takes
 BLOCKS = 10  # of neighbouring points, of equal numbers
 

@@ -35,9 +35,9 @@ def start_of_code(name, imports, code):
 
 def integrate_line(start, n, integrator, step, time, tolerance=TIGHT, solver=FAST, program=PROGRAM):
     """Returns the line that runs a listed integrator from a Start, step by step up to a time."""
-    arguments = (*start.arguments, *(("--tolerance", repr(tolerance)) if tolerance != TIGHT else ()))
-    return (f"{start.first}{program} --n {n} {shlex.join(arguments)} --integrator {shlex.quote(integrator)}"
-            f" --solver {solver} --step {step!r} --time {time!r}")
+    loose = ("--tolerance", repr(tolerance)) if tolerance != TIGHT else ()
+    arguments = shlex.join((*start.arguments, *loose, "--integrator", integrator))
+    return f"{start.first}{program} --n {n} {arguments} --solver {solver} --step {step!r} --time {time!r}"
 
 
 def formulation_line(n, formulation, stages, step, time, solver):

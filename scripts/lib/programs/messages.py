@@ -1,5 +1,6 @@
 """Messages of one line, whatever they quote, and the error that a file cannot be used."""
 
+import contextlib
 import json
 import unicodedata
 
@@ -8,6 +9,15 @@ LONGEST_TEXT = 60  # of a name that is shown
 
 class UnusableFile(Exception):
     """A file that cannot be used; the message is one line naming the file and what is wrong."""
+
+
+@contextlib.contextmanager
+def naming(path):
+    """Has an UnusableFile that is thrown within name the file."""
+    try:
+        yield
+    except UnusableFile as problem:
+        raise UnusableFile(f"{one_line(path)}: {problem}") from None
 
 
 def quoted(value):

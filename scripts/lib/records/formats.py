@@ -22,7 +22,7 @@ import os
 from dataclasses import dataclass
 from typing import Any, Dict, NamedTuple, Tuple
 
-from lib.programs.messages import LONGEST_TEXT, UnusableFile, one_line, quoted
+from lib.programs.messages import LONGEST_TEXT, UnusableFile, naming, one_line, quoted
 from lib.programs.output import replace_file
 from lib.programs.places import RECORDED
 
@@ -39,19 +39,23 @@ class Wrong(Exception):
 
 def read_json(path, make):
     """Returns what `make` makes of the JSON in `path`. Throws UnusableFile with one line that names the file."""
-    try:
+    with naming(path):
         return make(parse_json(read_text(path)))
-    except UnusableFile as problem:
-        raise UnusableFile(f"{one_line(path)}: {problem}") from None
+
+
+def read_bytes(path):
+    """Returns what is in a file, or says in one line why it cannot."""
+    try:
+        with open(path, "rb") as stream:
+            return stream.read()
+    except OSError as problem:
+        raise UnusableFile(f"cannot be read: {problem.strerror}") from None
 
 
 def read_text(path):
     """Returns the text of a file, or says in one line why there is none."""
     try:
-        with open(path, "rb") as stream:
-            return stream.read().decode("utf-8")
-    except OSError as problem:
-        raise UnusableFile(f"cannot be read: {problem.strerror}") from None
+        return read_bytes(path).decode("utf-8")
     except UnicodeDecodeError as problem:
         raise UnusableFile(f"is not UTF-8 text (byte {problem.start})") from None
 

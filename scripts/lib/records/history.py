@@ -14,7 +14,7 @@ from datetime import datetime, timezone
 from typing import List, NamedTuple, Optional
 
 from lib.programs.command_line import Stop
-from lib.programs.messages import UnusableFile, one_line
+from lib.programs.messages import UnusableFile, naming, one_line
 from lib.records.formats import (an_object, any_text, checked, compact, list_of, number, one_of, optional, parse_json,
                                  read_text, require, text, to_digits)
 
@@ -66,10 +66,8 @@ def line_of(program, context, kernels, ratios):
 
 def read_history(path):
     """Returns the Lines of a file, none of an empty one. Throws UnusableFile, naming the file and the line."""
-    try:
+    with naming(path):
         lines = read_text(path).split("\n")
-    except UnusableFile as problem:
-        raise UnusableFile(f"{one_line(path)}: {problem}") from None
     if lines.pop():
         raise UnusableFile(f"{one_line(path)}: line {len(lines) + 1} has no end; a run was interrupted while it wrote")
     found = []

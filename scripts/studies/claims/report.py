@@ -156,7 +156,7 @@ def share_sections(evidence):
                        percentage(shares[key]), *map(share_text, (plain, optimised))])
     columns = (Column("n"), Column("s"), Column("formulation", align="left"), Column("sweeps"), Column("products"),
                Column("full products, fast"), *(Column(name, "share of products")
-                                                     for name in ("Octave", "published code", "fast code")))
+                                                for name in ("Octave", "published code", "fast code")))
     return [Heading("Why they differ"),
             Paragraph("A run of 50 steps. Sweeps and products are those of Octave and of published code, which are the"
                       " same up to rounding; full products are those of fast code. Share of products: what the products"
