@@ -5,6 +5,7 @@ from report_page.charts import Axis, Chart, Column, Option, Selector, as_plotly,
 from report_page.of_accuracy import chosen_at
 from studies.practice.charts import DRAWN
 from studies.practice.judge import findings, leading_results
+from studies.practice.report import quflow_whole_text
 from studies.practice.schema import AT_PRACTICE, AT_TENTH, METHOD, QUFLOW, ROUGH, TURBULENCE
 
 ERRORS = (Option("a tenth of the practice's error", AT_TENTH), Option("the practice's error", AT_PRACTICE))
@@ -45,9 +46,9 @@ def practice(study):
         {label: as_plotly({"color": colour, **style}) for label, colour, style in DRAWN.values()},
         [line_of(study, row) for *_, row in rows],
         note="The practice: isospectral midpoint, h = ħ/4, tolerance 1e-8. Others: the cheapest method of a class at"
-             f" the chosen error, at T = {times_text(study)}. Beyond n = {study.settings.largest_whole} some steps of a"
-             " run are timed, and scaled by products. Turbulence: a flow that was developed until its small scales were"
-             " filled.")
+             f" the chosen error, at T = {times_text(study)}. Whole runs are timed up to"
+             f" n = {study.settings.largest_whole}{quflow_whole_text(study.settings)}; beyond, some steps of a run, and"
+             " scaled. Turbulence: a flow that was developed until its small scales were filled.")
 
 
 def times_text(study):

@@ -16,7 +16,7 @@ TIME, ERROR = 2.0, 1e-3  # of each problem; the practice's error
 SECONDS = {("rk8_frame", 1e-13): 1.0, ("elp4_frame", 1e-8): 2.0, ("elp4_frame", 1e-13): 4.0,
            ("group2_frame", 1e-13): 5.0, ("rk5_frame", 1e-13): None}
 SETTINGS = Settings(quick=False, quflow="0123456789ab", cores=2, lowest_degree=6, highest_degree=10, sample=0,
-                    tail_from=0.9, tail_share=0.02, largest_whole=257, places=3)
+                    tail_from=0.9, tail_share=0.02, largest_whole=257, places=3, largest_whole_quflow=129)
 
 
 def problem(n=33, scene="rough", **others):

@@ -125,8 +125,9 @@ def damaged_parts(document, schema):
     for name in ("context", "settings", "tables"):
         yield {**document, name: []}, (name,)
     for name in document["settings"]:
-        for settings in (without(document["settings"], name), {**document["settings"], name: NO_KIND}):
-            yield {**document, "settings": settings}, (name,)
+        yield {**document, "settings": {**document["settings"], name: NO_KIND}}, (name,)
+        if name not in schema.settings._field_defaults:
+            yield {**document, "settings": without(document["settings"], name)}, (name,)
 
 
 def damaged_tables(document, schema):

@@ -101,6 +101,7 @@ class Judged(FolderTest):
             self.assertEqual((done.returncode, done.stderr), (DONE, ""))
             self.assertEqual("quflow's own step was not run" in done.stdout, said)
             self.assertEqual("and quflow 100 times" in done.stdout, not said)
+            self.assertEqual("(of quflow's step, which takes longest, up to n = 129)" in done.stdout, not said)
 
     def test_the_chart_has_a_panel_a_scene_with_two_n(self):
         problems = [documents.problem(n, scene) for n, scene in ((33, "rough"), (65, "rough"), (33, "smooth"))]
@@ -300,7 +301,7 @@ class Runs(FolderTest):
             list(study_run.prepared([job], results))
 
     def test_some_steps_at_places_of_a_run_give_the_time_of_the_whole(self):
-        with mock.patch.object(plan, "LARGEST_WHOLE", 16):
+        with mock.patch.object(plan, "LARGEST_WHOLE", 16), mock.patch.object(plan, "LARGEST_WHOLE_QUFLOW", 16):
             job = self.prepared(time=2.0)
             self.assertTrue(os.path.exists(single_runs.state_path(job, "reference_place2")))
             run_ = {"role": "method", "integrator": "rk8_frame", "tolerance": 1e-13, "steps": 600, "products": 7200.0}
@@ -312,6 +313,29 @@ class Runs(FolderTest):
         (whole,) = timing.time_block(block)
         for part in parts:
             self.assertTrue(0.3 < part / whole < 3, (parts, whole))
+
+    def test_from_where_its_runs_take_long_quflow_is_timed_in_parts_and_methods_as_a_whole(self):
+        with mock.patch.object(plan, "LARGEST_WHOLE_QUFLOW", 16):
+            job = self.prepared(time=2.0)
+        runs = {"quflow": {"role": "quflow", "integrator": "algebra1", "tolerance": 1e-8, "steps": 600,
+                           "products": 2400.0},
+                "rk8": {"role": "method", "integrator": "rk8", "tolerance": 1e-13, "steps": 30, "products": 360.0}}
+        block = {**job, "kind": timing.CPU, "process": 1, "rows": list(runs), "runs": runs, "quflow": "folder"}
+        told = []
+
+        def seconds_of(_folder, W, h, steps, warmup=0):
+            told.append((single_runs.hash_of(W), steps, warmup))
+            return 0.5 * steps
+
+        begun, after_a_third = (single_runs.hash_of(single_runs.load(job, what))
+                                for what in ("initial", "reference_place1"))
+        with mock.patch.object(quflow_step, "seconds_of", seconds_of), \
+                mock.patch.object(timing, "time_part", wraps=timing.time_part) as parts:
+            for largest, expected in ((16, (after_a_third, 20, 32)), (17, (begun, 600, 0))):
+                with mock.patch.object(plan, "LARGEST_WHOLE_QUFLOW", largest):
+                    self.assertEqual(timing.time_block(block)[0], 300)
+                self.assertEqual(told.pop(), expected)
+        self.assertEqual([call.args[2]["role"] for call in parts.call_args_list], ["quflow"])
 
     def test_work_that_was_lost_with_its_states_is_done_again_after_an_interruption(self):
         raw = self.path("raw.json")

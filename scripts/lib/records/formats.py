@@ -232,7 +232,7 @@ def listed(name):
 
 class Schema(NamedTuple):
     study: str
-    settings: type
+    settings: type  # what older files do not have has a default
     tables: Dict[str, type]
     later: Tuple[str, ...] = ()  # tables that older files do not have; they are read as empty, or of LISTED
     renamed: Dict[str, str] = {}  # names of tables and columns in older files, and what they are called now
@@ -269,8 +269,10 @@ def study_of(document, schema):
     if INTEGRATORS in older:
         names = {row.integrator for rows in tables.values() for row in rows if hasattr(row, "integrator")}
         tables[INTEGRATORS] = list(map(listed, sorted(names, key=[*listed_integrators(), *names].index)))
-    return Study(printable_context(parts["context"]),
-                 schema.settings(**checked(parts["settings"], schema.settings.__annotations__, "settings")), tables)
+    kinds = {name: kind for name, kind in schema.settings.__annotations__.items()
+             if name in parts["settings"] or name not in schema.settings._field_defaults}
+    return Study(printable_context(parts["context"]), schema.settings(**checked(parts["settings"], kinds, "settings")),
+                 tables)
 
 
 def records(found, record, name, renamed={}):

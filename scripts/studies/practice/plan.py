@@ -40,7 +40,7 @@ MAX_SWEEPS = 30  # of a step: one that takes more is expensive, and shorter step
 LOOKS = 20  # at the energy in a run
 
 PROCESSES, QUICK_PROCESSES = verdicts.FEWEST, 1
-LARGEST_WHOLE = SMALL  # n up to which whole runs are timed
+LARGEST_WHOLE, LARGEST_WHOLE_QUFLOW = SMALL, 129  # n up to which whole runs are timed, and those of quflow's step
 PLACES = 3  # of a run, beyond that, in turn by process: its beginning, after a third and after two thirds of it, with
 PART_STEPS, WARM_STEPS = 20, 32  # timed steps behind some that are not, at most a third of the run, and no more than
 PART_WORK = 5e10  # floating-point operations of products take, if that allows one step

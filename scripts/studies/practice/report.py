@@ -198,11 +198,18 @@ def how_parts(study):
                       f" their energy stays bounded.{drawn}"),
             Paragraph(f"Times are CPU seconds by {span(counts, str)} fresh processes on one core, which time all rows"
                       f" of a problem interleaved, in changing order; fewer than {FEWEST} decide nothing. Up to"
-                      f" n = {settings.largest_whole} whole runs are timed, beyond it some steps at one of"
-                      f" {settings.places} places of a run, in turn by process, scaled to the whole by equivalent"
-                      " products; of a method with two numbers of steps those of the smaller error are timed for"
-                      " both. quflow's compiler has done its work before its step is timed, by one thread. Capped"
+                      f" n = {settings.largest_whole} whole runs are timed{quflow_whole_text(settings)}, beyond it some"
+                      f" steps at one of {settings.places} places of a run, in turn by process, scaled to the whole by"
+                      " equivalent products; of a method with two numbers of steps those of the smaller error are timed"
+                      " for both. quflow's compiler has done its work before its step is timed, by one thread. Capped"
                       " steps ended at the largest number of iterations.")]
+
+
+def quflow_whole_text(settings):
+    """Says up to which n whole runs of quflow's step are timed, where that is another n than of the others."""
+    if settings.quflow is None or settings.largest_whole_quflow in (None, settings.largest_whole):
+        return ""
+    return f" (of quflow's step, which takes longest, up to n = {settings.largest_whole_quflow})"
 
 
 def rendered(raw, _recorded):

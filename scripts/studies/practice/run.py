@@ -151,7 +151,8 @@ def states_of(options):
 def settings_of(options, cores):
     return Settings(quick=options.quick, quflow=options.quflow, cores=cores, lowest_degree=DEGREES[0],
                     highest_degree=DEGREES[-1], sample=plan.SAMPLE, tail_from=plan.TAIL_FROM,
-                    tail_share=plan.TAIL_SHARE, largest_whole=plan.LARGEST_WHOLE, places=plan.PLACES)
+                    tail_share=plan.TAIL_SHARE, largest_whole=plan.LARGEST_WHOLE,
+                    places=plan.PLACES, largest_whole_quflow=plan.LARGEST_WHOLE_QUFLOW)
 
 
 def main(arguments):

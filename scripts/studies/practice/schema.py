@@ -29,8 +29,9 @@ class Settings(NamedTuple):
     sample: whole()  # number of what is drawn
     tail_from: positive  # the tail of E(l) begins at this share of the largest l; it is filled once it has
     tail_share: positive  # this share of the enstrophy
-    largest_whole: whole(2)  # n up to which whole runs are timed; beyond it some steps at
-    places: whole(1)  # of a run
+    largest_whole: whole(2)  # n up to which whole runs are timed
+    places: whole(1)  # beyond it some steps are timed at so many places of a run
+    largest_whole_quflow: optional(whole(2)) = None  # as largest_whole, of quflow's step; older files: the same
 
 
 class Problem(NamedTuple):

@@ -217,7 +217,7 @@ def solve(job):
                 break
         before = W if good else None
     states = {job["what"]: W, **{f"{job['what']}_place{place}": state for place, state in at.items()
-                                 if job["what"] == REFERENCE and job["n"] > plan.LARGEST_WHOLE}}
+                                 if job["what"] == REFERENCE and job["n"] > plan.LARGEST_WHOLE_QUFLOW}}
     return {"states": {name: save(job, name, state) for name, state in states.items()}, "steps": steps,
             "error": rounded(min(error, 1.0))}
 

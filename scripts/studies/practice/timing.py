@@ -1,9 +1,10 @@
 """The times of the study `practice`, by fresh processes: blocks, what a process does, and processes that are wanted.
 
 A block is all that is timed on one problem, so that any two of its rows are paired by process. Up to LARGEST_WHOLE a
-process times whole runs. Beyond, a process times some steps at one place of a run, behind some that are not timed, and
-the time is scaled to the whole run by equivalent products: the places take turns, so that each has two of six
-processes. Of a method that has two step sizes, the shorter one is timed and gives the time of both. Needs isosyrk.
+process times whole runs, of quflow's step up to LARGEST_WHOLE_QUFLOW. Beyond, a process times some steps at one place
+of a run, behind some that are not timed, and the time is scaled to the whole run, by equivalent products or, of
+quflow's step, by steps: the places take turns, so that each has two of six processes. Of a method that has two step
+sizes, the shorter one is timed and gives the time of both. Needs isosyrk.
 """
 
 import random
@@ -95,7 +96,8 @@ def time_block(block):
 def time_run(scene, block, run):
     """Returns the CPU seconds of a run."""
     initial, h = scene.initial, block["time"] / run["steps"]
-    if block["n"] > plan.LARGEST_WHOLE:
+    largest_whole = plan.LARGEST_WHOLE_QUFLOW if run["role"] == QUFLOW else plan.LARGEST_WHOLE
+    if block["n"] > largest_whole:
         return time_part(scene, block, run)
     if run["role"] == QUFLOW:
         return quflow_step.seconds_of(block["quflow"], initial, h, run["steps"])
