@@ -165,6 +165,27 @@ class WholePage(PageTest):
         self.assertEqual(times.pop("t = 0"), 0)
         self.assertGreater(min(times.values()), 900)
 
+    def test_the_energies_of_the_flow_are_all_but_the_tiniest(self):
+        chart = self.charts["spectra"]
+        of_states = {}
+        for state, energy in zip(column(chart, "state"), column(chart, "energy")):
+            of_states.setdefault(state, []).append(energy)
+        self.assertAlmostEqual(sum(of_states["t = 0"]), 1, places=4)
+        for energies in of_states.values():
+            self.assertGreater(min(energies), 1e-9)
+            self.assertGreater(sum(energies), 0.9)
+
+    def test_bars_end_where_intervals_do(self):
+        with_bars = [chart for chart in self.charts.values() if "above" in [each["name"] for each in chart["columns"]]]
+        self.assertEqual([chart["name"] for chart in with_bars], ["tables"])
+        for chart in with_bars:
+            intervals = [[*ends] for ends in zip(*(column(chart, name) for name in (
+                "low", chart["y"]["column"], "high", "below", "above")))]
+            self.assertGreater(len(intervals), 10)
+            for low, at, high, below, above in intervals:
+                self.assertAlmostEqual(at - below, at if low is None else low, places=4)
+                self.assertAlmostEqual(at + above, at if high is None else high, places=4)
+
     def test_what_is_within_chance_is_shaded_from_below_all_points(self):
         chart = self.charts["statistics"]
         (shape,) = chart["shapes"]
