@@ -174,6 +174,12 @@ class WholePage(PageTest):
         for energies in of_states.values():
             self.assertGreater(min(energies), 1e-9)
             self.assertGreater(sum(energies), 0.9)
+        lost = dict(zip(column(chart, "state"), column(chart, "lost")))
+        figures = json.loads(text_of(RECORDED, "fluid", "figures.json"))
+        self.assertIsNone(lost.pop("t = 0"))
+        for found, expected in zip(sorted(lost.values()), sorted(
+                figures[f"{name}.enstrophy_lost"] for name in ("rk4", "rk8", "elp4"))):
+            self.assertAlmostEqual(found, expected, places=4)
 
     def test_bars_end_where_intervals_do(self):
         with_bars = [chart for chart in self.charts.values() if "above" in [each["name"] for each in chart["columns"]]]

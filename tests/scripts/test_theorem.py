@@ -25,6 +25,7 @@ from studies.theorem import plan as theorem_plan, run as theorem
 from lib.pages.document import Table, as_markdown
 from lib.running.fresh_process import MAX_SWITCHES, MAX_TRIES, Disturbance
 from studies.theorem.plain_forms import dagger, gauss
+from studies.theorem.judge import findings
 from studies.theorem.report import rendered
 from studies.theorem.schema import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed
 from lib.judging.verdicts import FEWEST, MORE, MAXIMUM
@@ -293,6 +294,16 @@ def made_up(rows):
         tables[name] += [Timed(scene, n, norm, method, form, *((8.0, 16.0, 1e-15) if seconds else (None,) * 3),
                                tuple(seconds)) for form, seconds in times.items()]
     return formats.Study({"cpu": "made up"}, Settings(10, 5, 1e-13, 6, 0.3), tables)
+
+
+class Claims(unittest.TestCase):
+    def test_one_is_judged_where_a_rival_converges_too(self):
+        times = {"algebra": noisy(1.0, 0.0), "group": noisy(3.0, 0.01), "cotangent": noisy(3.1, 0.01)}
+        for converge, expected in ((("algebra",), None), (("algebra", "group"), "holds"), (("group", "cotangent"), None),
+                                   (("group", "algebra", "cotangent"), "holds")):
+            row = {form: times[form] if form in converge else () for form in times}
+            found = findings(made_up([("cost", "rigid_body", 65, 0.1, "s = 1", row)])).claims
+            self.assertEqual([each.result for each in found if each.method == "s = 1"], [expected], converge)
 
 
 class Report(FolderTest):

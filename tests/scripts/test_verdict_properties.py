@@ -146,6 +146,8 @@ class Rows(unittest.TestCase):
             said = compared(rows[row], rows[best]) if row != best else TIE
             self.assertEqual((row in level, row in undecided), (said == TIE, said == UNDECIDED))
         self.assertEqual(level_rows({best: rows[best]}), (set(), set()))  # no rival
+        pair = {row: rows[row] for row in list(rows)[1:]}
+        self.assertIn(fastest(pair), level_rows(pair)[0])  # one is rival enough
 
     @holds_for(times=times_of_rows(rows=3, minimum=1), examples=100)
     def test_of_claims_to_be_fastest_one_holds_at_most_and_then_all_others_fail(self, times):
