@@ -200,9 +200,9 @@ def how_parts(study):
                       f" of a problem interleaved, in changing order; fewer than {FEWEST} decide nothing. Up to"
                       f" n = {settings.largest_whole} whole runs are timed{quflow_whole_text(settings)}, beyond it some"
                       f" steps at one of {settings.places} places of a run, in turn by process, scaled to the whole by"
-                      " equivalent products; of a method with two numbers of steps those of the smaller error are timed"
-                      " for both. quflow's compiler has done its work before its step is timed, by one thread. Capped"
-                      " steps ended at the largest number of iterations.")]
+                      " equivalent products, or by steps for quflow's step; of a method with two numbers of steps those"
+                      " of the smaller error are timed for both. quflow's compiler has done its work before its step is"
+                      " timed, by one thread. Capped steps ended at the largest number of iterations.")]
 
 
 def quflow_whole_text(settings):
