@@ -1,30 +1,79 @@
-// Reading a command line with CLI11, whose header is precompiled: it takes five seconds.
+// Reading a command line with CLI11, which only command_line.cpp includes: its functions, all of
+// them in headers, take ten seconds to compile in each source that does.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
-#include <utility>
+#include <vector>
 
 #include "benchmarks/arguments.h"
 
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
 namespace isosyrk {
 
-/// Reads the arguments into the options declared in `line`; an exit code if that was all, as for
-/// --help.  Throws BadArgument, also for an option given as `--option=` with nothing behind, where
-/// CLI11 would take the next argument for its value.
-std::optional<int> read_arguments(CLI::App& line, int argc, char** argv);
+/// The options of a program, declared one by one, and then what its arguments give.
+class CommandLine {
+ public:
+  /// An option that is declared.
+  class Option {
+   public:
+    explicit Option(CLI::Option& option) : option_(&option) {}
+    Option required();
+    /// How --help names the value, in place of TEXT.
+    Option type_name(const std::string& name);
 
-/// Declares an option whose value is what `read(option, text)` returns, and which keeps `value` if
-/// it is not given.  CLI11's own reading of numbers and names takes other spellings too, and says
-/// otherwise what is wrong with a value.
-template <class Value, class Read>
-CLI::Option* add_value(CLI::App& line, const std::string& option, Value& value, Read read,
-                       const std::string& description) {
-  const auto set = [option, &value, read](const std::string& text) { value = read(option, text); };
-  return line.add_option_function<std::string>(option, set, description);
-}
+   private:
+    CLI::Option* option_;
+  };
+
+  /// `description` stands first in --help.
+  explicit CommandLine(const std::string& description);
+  ~CommandLine();
+
+  /// Declares an option whose value is what `read(option, text)` returns, and which keeps `value`
+  /// if it is not given.  CLI11's own reading of numbers and names takes other spellings too, and
+  /// says otherwise what is wrong with a value.
+  template <class Value, class Read>
+  Option add_value(const std::string& option, Value& value, Read read,
+                   const std::string& description) {
+    return add_text(option, description, [option, &value, read](const std::string& text) {
+      value = read(option, text);
+    });
+  }
+
+  /// Declares an option, or arguments without one, of one or more values.
+  Option add_values(const std::string& name, std::vector<std::string>& values,
+                    const std::string& description);
+
+  /// Declares an option without a value.
+  Option add_flag(const std::string& option, bool& given, const std::string& description);
+
+  /// Arguments that are not declared are no mistake, but left for remaining().
+  void allow_extras();
+
+  /// Reads the arguments; an exit code if that was all, as for --help.  Throws BadArgument, also
+  /// for an option given as `--option=` with nothing behind, where CLI11 would take the next
+  /// argument for its value.
+  std::optional<int> read(int argc, char** argv);
+
+  bool has(const std::string& option) const;
+  /// What an option was given, as it was written.
+  std::string text(const std::string& option) const;
+  std::vector<std::string> remaining() const;
+
+ private:
+  Option add_text(const std::string& option, const std::string& description,
+                  const std::function<void(const std::string&)>& set);
+
+  std::unique_ptr<CLI::App> line_;
+};
 
 // What reads a value: one of the following.  Each throws BadArgument.
 

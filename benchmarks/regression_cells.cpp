@@ -229,16 +229,16 @@ int serve(const std::vector<Cell>& cells) {
 }  // namespace
 
 int main_program(int argc, char** argv) {
-  CLI::App line{"Counts and errors of cells of Tables 1 and 2 as JSON, or their times on demand."};
+  CommandLine line{
+      "Counts and errors of cells of Tables 1 and 2 as JSON, or their times on demand."};
   std::vector<std::string> names;
-  line.add_option("cells", names, "names like group/n:17/s:2 and fast_group/n:17/s:2")->required();
+  line.add_values("cells", names, "names like group/n:17/s:2 and fast_group/n:17/s:2").required();
   int roundings = 0;
-  add_value(line, "--roundings", roundings, Whole<int>{0, 100},
-            "count also from so many states moved by rounding (default: 0)");
+  line.add_value("--roundings", roundings, Whole<int>{0, 100},
+                 "count also from so many states moved by rounding (default: 0)");
   bool as_server = false;
-  line.add_flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds")
-      ->disable_flag_override();
-  if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
+  line.add_flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds");
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
   std::vector<Cell> cells;
   for (const std::string& name : names) cells.push_back(read_cell(name));

@@ -258,33 +258,31 @@ int time_table(Solver solver, int argc, char** argv) {
   const bool fast = solver == Solver::fast;
   const Table published = published_table();
   const Table table = fast ? fast_table(1) : published;
-  CLI::App line{table.description +
-                "  Takes Google Benchmark's arguments as well, such as "
-                "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
+  CommandLine line{table.description +
+                   "  Takes Google Benchmark's arguments as well, such as "
+                   "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
   BackendChoice choice;
-  add_value(line, "--products", choice, Named{&backend_choice_from_name},
-            "of published forms: fastest (default), openblas or eigen");
+  line.add_value("--products", choice, Named{&backend_choice_from_name},
+                 "of published forms: fastest (default), openblas or eigen");
   bool no_warm_run = false;
   line.add_flag("--no-warm-run", no_warm_run,
                 "one untimed step in place of an untimed run before the timed ones; rows then have "
-                "no energy_error")
-      ->disable_flag_override();
+                "no energy_error");
   bool with_published = false;
   int threads = 1;
   if (fast) {
-    line.add_flag("--published", with_published, "times the cells of table1 too")
-        ->disable_flag_override();
-    add_value(line, "--threads", threads, thread_count,
-              "1 (default) to 64; N > 1 times the cells by N threads too");
+    line.add_flag("--published", with_published, "times the cells of table1 too");
+    line.add_value("--threads", threads, thread_count,
+                   "1 (default) to 64; N > 1 times the cells by N threads too");
   }
   IterationOptions options;
-  add_value(line, "--max-sweeps", options.max_sweeps, Whole<int>{1, 1000000},
-            "sweeps allowed in a step (default 1000)");
+  line.add_value("--max-sweeps", options.max_sweeps, Whole<int>{1, 1000000},
+                 "sweeps allowed in a step (default 1000)");
   std::string references;
-  line.add_option("--references", references,
-                  "folder of recorded reference solutions: adds relative_error");
+  line.add_value("--references", references, Text{},
+                 "folder of recorded reference solutions: adds relative_error");
   line.allow_extras();
-  if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
 
   std::vector<const Table*> tables = {&table};
@@ -311,7 +309,7 @@ int time_table(Solver solver, int argc, char** argv) {
   std::vector<BackendRates> rates;
   std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
   for (const Index n : sizes) {
-    if (line.count("--references") > 0 && arguments.selects_any(names_of(cells[n]))) {
+    if (line.has("--references") && arguments.selects_any(names_of(cells[n]))) {
       reference[n] = read_reference("--references", references, smooth_scene(n),
                                     HbarConvention::paper, default_modes());
     }

@@ -40,23 +40,23 @@ struct Row {
 };
 
 std::optional<int> read(Request& request, int argc, char** argv) {
-  CLI::App line{"Times a step of a fast form by several numbers of threads, and compares bits."};
-  add_value(line, "--n", request.n, Whole<Index>{5, 4096}, "matrix size, 5 to 4096")->required();
-  add_value(line, "--integrator", request.integrator, Text{}, "name of a listed integrator")
-      ->required();
-  add_value(line, "--step", request.step, Real{"positive and finite", positive}, "step size h > 0")
-      ->required();
-  add_value(line, "--scene", request.scene, Text{}, "of Euler-Zeitlin (default rough)");
-  add_value(line, "--tolerance", request.tolerance, Real{"at least 1e-15, and finite", 1e-15},
-            "of the fast form (default 1e-8)");
-  add_value(line, "--steps", request.steps, Whole<long>{1, 1000000}, "that are timed (default 4)");
-  add_value(line, "--warmup", request.warmup, Whole<long>{0, 1000000},
-            "steps before these (default 2)");
-  add_value(line, "--repetitions", request.repetitions, Whole<int>{1, 1000},
-            "interleaved, each from the start (default 3)");
+  CommandLine line{"Times a step of a fast form by several numbers of threads, and compares bits."};
+  line.add_value("--n", request.n, Whole<Index>{5, 4096}, "matrix size, 5 to 4096").required();
+  line.add_value("--integrator", request.integrator, Text{}, "name of a listed integrator")
+      .required();
+  line.add_value("--step", request.step, Real{"positive and finite", positive}, "step size h > 0")
+      .required();
+  line.add_value("--scene", request.scene, Text{}, "of Euler-Zeitlin (default rough)");
+  line.add_value("--tolerance", request.tolerance, Real{"at least 1e-15, and finite", 1e-15},
+                 "of the fast form (default 1e-8)");
+  line.add_value("--steps", request.steps, Whole<long>{1, 1000000}, "that are timed (default 4)");
+  line.add_value("--warmup", request.warmup, Whole<long>{0, 1000000},
+                 "steps before these (default 2)");
+  line.add_value("--repetitions", request.repetitions, Whole<int>{1, 1000},
+                 "interleaved, each from the start (default 3)");
   std::vector<std::string> threads;
-  line.add_option("--threads", threads, "numbers of threads, as 1 2 4")->required();
-  if (const auto code = read_arguments(line, argc, argv)) return code;
+  line.add_values("--threads", threads, "numbers of threads, as 1 2 4").required();
+  if (const auto code = line.read(argc, argv)) return code;
   for (const std::string& each : threads) {
     request.threads.push_back(thread_count("--threads", each));
   }

@@ -10,8 +10,6 @@
 namespace isosyrk {
 namespace {
 
-bool given(const CLI::App& line, const char* option) { return line.count(option) > 0; }
-
 // P,Q of --signature.
 std::pair<Index, Index> read_signature(const std::string& option, const std::string& text) {
   const auto comma = text.find(',');
@@ -34,19 +32,19 @@ struct IntegratorChoice {
 };
 
 // --integrator, or --formulation and --stages, and --solver with its threads.
-void choose_integrator(const IntegratorChoice& choice, const CLI::App& line,
+void choose_integrator(const IntegratorChoice& choice, const CommandLine& line,
                        IntegrateRequest& request) {
-  const bool by_name = given(line, "--integrator");
-  if (by_name && (given(line, "--formulation") || given(line, "--stages"))) {
+  const bool by_name = line.has("--integrator");
+  if (by_name && (line.has("--formulation") || line.has("--stages"))) {
     throw BadArgument(fmt::format(
         "--integrator {}: must stand alone, in place of --formulation and --stages", choice.name));
   }
-  if (request.solver == Solver::fast && given(line, "--products")) {
+  if (request.solver == Solver::fast && line.has("--products")) {
     throw BadArgument(
         fmt::format("--solver fast: has products of its own; must stand without --products {}",
-                    line["--products"]->as<std::string>()));
+                    line.text("--products")));
   }
-  if (request.solver == Solver::published && given(line, "--threads")) {
+  if (request.solver == Solver::published && line.has("--threads")) {
     throw BadArgument(
         fmt::format("--threads {}: must go with --solver fast; others have one", request.threads));
   }
@@ -58,7 +56,7 @@ void choose_integrator(const IntegratorChoice& choice, const CLI::App& line,
     return;
   }
   for (const char* option : {"--stages", "--formulation"}) {
-    if (!given(line, option)) {
+    if (!line.has(option)) {
       throw BadArgument(fmt::format("{} is required, or --integrator", option));
     }
   }
@@ -67,14 +65,14 @@ void choose_integrator(const IntegratorChoice& choice, const CLI::App& line,
 }
 
 // --scene, --modes or --initial.
-void choose_scene(const CLI::App& line, IntegrateRequest& request) {
+void choose_scene(const CommandLine& line, IntegrateRequest& request) {
   // Other scenes have no modes, and take --initial for their own flow.
   const bool own_flow = !is_euler_zeitlin(request.scene);
   if (own_flow && request.modes_file) {
     throw BadArgument(fmt::format("--modes {}: goes with Euler-Zeitlin, not with --scene {}",
                                   *request.modes_file, request.scene));
   }
-  const bool scene_has_data = given(line, "--scene") && !own_flow;
+  const bool scene_has_data = line.has("--scene") && !own_flow;
   if (scene_has_data + request.modes_file.has_value() + request.initial_file.has_value() > 1) {
     throw BadArgument("--scene, --modes, --initial: each has initial data; must be one of them");
   }
@@ -124,58 +122,57 @@ void require_whole_record(const IntegrateRequest& request) {
 }  // namespace
 
 std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** argv) {
-  CLI::App line{
+  CommandLine line{
       "Integrates a scene, Euler-Zeitlin by default, with one formulation of an isospectral "
       "symplectic Runge-Kutta (Gauss) method, or with any listed integrator."};
   IntegrateRequest request;
   IntegratorChoice choice;
-  add_value(line, "--n", request.n, Whole<Index>{2, 4096}, "matrix size, 2 to 4096")->required();
-  add_value(line, "--stages", choice.stages, Whole<int>{1, max_stages},
-            "stages of the Gauss tableau, 1 to 20");
-  add_value(line, "--formulation", request.formulation, Named{&formulation_from_name},
-            "cotangent, group or algebra");
-  add_value(line, "--integrator", choice.name, Text{},
-            "name of a listed integrator, in place of --formulation and --stages");
-  add_value(line, "--step", request.step, Real{"positive and finite", positive}, "step size h > 0")
-      ->required();
-  add_value(line, "--time", request.time, Real{"0 or positive, and finite", 0.0},
-            "end time T >= 0, a whole number of steps")
-      ->required();
-  add_value(line, "--tolerance", request.iteration.tolerance,
-            Real{"at least 1e-15, and finite", 1e-15},
-            "of the fixed point, relative to W, >= 1e-15 (default 1e-13)");
-  add_value(line, "--max-sweeps", request.iteration.max_sweeps, Whole<int>{1, 1000000},
-            "sweeps allowed in a step (default 1000)");
-  add_value(line, "--hbar", request.hbar, Named{&hbar_convention_from_name},
-            "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
-  add_value(line, "--products", request.products, Named{&backend_choice_from_name},
-            "fastest (default), openblas or eigen");
-  add_value(line, "--solver", request.solver, Named{&solver_from_name},
-            "published (default), or fast: the same answer to the tolerance, sooner");
-  add_value(line, "--threads", request.threads, thread_count,
-            "of --solver fast, 1 (default) to 64");
-  add_value(line, "--scene", request.scene, read_scene,
-            fmt::format("one of {} (default smooth)", fmt::join(scene_names(), ", ")));
-  add_value(line, "--signature", request.signature, read_signature,
-            "P,Q with P + Q = n, of pseudo_unitary");
-  add_value(line, "--modes", request.modes_file, Text{},
-            "initial modes, CSV with the header l,m,re,im");
-  add_value(line, "--initial", request.initial_file, Text{},
-            "W at time 0, NumPy .npy as --output writes it");
-  add_value(line, "--output", request.output_file, Text{}, "write W(T) as NumPy .npy, complex128");
-  add_value(line, "--every", request.every, Whole<long>{1, 1000000000000000},
-            "steps K from one row of --series and one file of --snapshots to the next")
-      ->type_name("K");
-  add_value(line, "--snapshots", request.snapshots_folder, Text{},
-            "folder for W as NumPy .npy, every K steps and at the end, and for the checkpoint");
-  add_value(line, "--series", request.series_file, Text{},
-            "CSV file: t, energy, spectrum error, enstrophy, sweeps, seconds, every K steps");
+  line.add_value("--n", request.n, Whole<Index>{2, 4096}, "matrix size, 2 to 4096").required();
+  line.add_value("--stages", choice.stages, Whole<int>{1, max_stages},
+                 "stages of the Gauss tableau, 1 to 20");
+  line.add_value("--formulation", request.formulation, Named{&formulation_from_name},
+                 "cotangent, group or algebra");
+  line.add_value("--integrator", choice.name, Text{},
+                 "name of a listed integrator, in place of --formulation and --stages");
+  line.add_value("--step", request.step, Real{"positive and finite", positive}, "step size h > 0")
+      .required();
+  line.add_value("--time", request.time, Real{"0 or positive, and finite", 0.0},
+                 "end time T >= 0, a whole number of steps")
+      .required();
+  line.add_value("--tolerance", request.iteration.tolerance,
+                 Real{"at least 1e-15, and finite", 1e-15},
+                 "of the fixed point, relative to W, >= 1e-15 (default 1e-13)");
+  line.add_value("--max-sweeps", request.iteration.max_sweeps, Whole<int>{1, 1000000},
+                 "sweeps allowed in a step (default 1000)");
+  line.add_value("--hbar", request.hbar, Named{&hbar_convention_from_name},
+                 "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
+  line.add_value("--products", request.products, Named{&backend_choice_from_name},
+                 "fastest (default), openblas or eigen");
+  line.add_value("--solver", request.solver, Named{&solver_from_name},
+                 "published (default), or fast: the same answer to the tolerance, sooner");
+  line.add_value("--threads", request.threads, thread_count, "of --solver fast, 1 (default) to 64");
+  line.add_value("--scene", request.scene, read_scene,
+                 fmt::format("one of {} (default smooth)", fmt::join(scene_names(), ", ")));
+  line.add_value("--signature", request.signature, read_signature,
+                 "P,Q with P + Q = n, of pseudo_unitary");
+  line.add_value("--modes", request.modes_file, Text{},
+                 "initial modes, CSV with the header l,m,re,im");
+  line.add_value("--initial", request.initial_file, Text{},
+                 "W at time 0, NumPy .npy as --output writes it");
+  line.add_value("--output", request.output_file, Text{}, "write W(T) as NumPy .npy, complex128");
+  line.add_value("--every", request.every, Whole<long>{1, 1000000000000000},
+                 "steps K from one row of --series and one file of --snapshots to the next")
+      .type_name("K");
+  line.add_value(
+      "--snapshots", request.snapshots_folder, Text{},
+      "folder for W as NumPy .npy, every K steps and at the end, and for the checkpoint");
+  line.add_value("--series", request.series_file, Text{},
+                 "CSV file: t, energy, spectrum error, enstrophy, sweeps, seconds, every K steps");
   line.add_flag("--resume", request.resume,
                 "go on, bit for bit, from the checkpoint in the folder of --snapshots, by the same "
-                "command or one with a longer --time")
-      ->disable_flag_override();
-  line.add_flag("--json", request.json, "print one JSON object")->disable_flag_override();
-  if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
+                "command or one with a longer --time");
+  line.add_flag("--json", request.json, "print one JSON object");
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
 
   of_option([&] { choose_integrator(choice, line, request); });
   request.steps = step_count(request.time, request.step);
