@@ -39,7 +39,7 @@ CommandLine::Option CommandLine::add_flag(const std::string& option, bool& given
 
 void CommandLine::allow_extras() { line_->allow_extras(); }
 
-std::optional<int> CommandLine::read(int argc, char** argv) {
+std::optional<int> CommandLine::parse(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string argument = argv[k];
     if (argument.starts_with("--") && argument.ends_with('=')) {

@@ -61,7 +61,7 @@ class CommandLine {
   /// Reads the arguments; an exit code if that was all, as for --help.  Throws BadArgument, also
   /// for an option given as `--option=` with nothing behind, where CLI11 would take the next
   /// argument for its value.
-  std::optional<int> read(int argc, char** argv);
+  std::optional<int> parse(int argc, char** argv);
 
   bool has(const std::string& option) const;
   /// What an option was given, as it was written.

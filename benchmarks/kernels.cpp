@@ -195,7 +195,7 @@ int main_program(int argc, char** argv) {
       "Measures matrix products per backend, the Poisson solve and the core's multiply-add peak at "
       "n = 17, 33, 65, 129.  Takes Google Benchmark's arguments."};
   line.allow_extras();
-  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  if (const auto exit_code = line.parse(argc, argv)) return *exit_code;
   use_one_blas_thread();
   const std::vector<Row> rows = all_rows();
   std::vector<std::string> names;

@@ -238,7 +238,7 @@ int main_program(int argc, char** argv) {
                  "count also from so many states moved by rounding (default: 0)");
   bool as_server = false;
   line.add_flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds");
-  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  if (const auto exit_code = line.parse(argc, argv)) return *exit_code;
   use_one_blas_thread();
   std::vector<Cell> cells;
   for (const std::string& name : names) cells.push_back(read_cell(name));

@@ -282,7 +282,7 @@ int time_table(Solver solver, int argc, char** argv) {
   line.add_value("--references", references, Text{},
                  "folder of recorded reference solutions: adds relative_error");
   line.allow_extras();
-  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  if (const auto exit_code = line.parse(argc, argv)) return *exit_code;
   use_one_blas_thread();
 
   std::vector<const Table*> tables = {&table};

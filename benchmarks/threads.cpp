@@ -56,7 +56,7 @@ std::optional<int> read(Request& request, int argc, char** argv) {
                  "interleaved, each from the start (default 3)");
   std::vector<std::string> threads;
   line.add_values("--threads", threads, "numbers of threads, as 1 2 4").required();
-  if (const auto code = line.read(argc, argv)) return code;
+  if (const auto code = line.parse(argc, argv)) return code;
   for (const std::string& each : threads) {
     request.threads.push_back(thread_count("--threads", each));
   }

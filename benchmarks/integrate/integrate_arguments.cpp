@@ -172,7 +172,7 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
                 "go on, bit for bit, from the checkpoint in the folder of --snapshots, by the same "
                 "command or one with a longer --time");
   line.add_flag("--json", request.json, "print one JSON object");
-  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  if (const auto exit_code = line.parse(argc, argv)) return *exit_code;
 
   of_option([&] { choose_integrator(choice, line, request); });
   request.steps = step_count(request.time, request.step);
