@@ -80,12 +80,9 @@ class EachCell : public ::testing::TestWithParam<Cell> {};
 TEST_P(EachCell, CoincidesKeepsItsSpectrumAndTakesTheExpectedSweeps) {
   const Cell cell = GetParam();
   const Scene scene = smooth_scene(cell.n);
-  // The largest by Eigen's kernels: those that OpenBLAS picks are eight times slower on some
-  // processors.
-  const ProductBackend backend = cell.n < 129 ? ProductBackend::openblas : ProductBackend::eigen;
   Matrix first;
   for (const Formulation formulation : formulations()) {
-    const auto integrator = gauss_entry(formulation, cell.s).make(lent(*scene.flow), {}, backend);
+    const auto integrator = made(gauss_entry(formulation, cell.s), *scene.flow);
     Matrix W = scene.initial;
     const RunReport report = run(*integrator, W, 0.1, 50);
     ASSERT_TRUE(report.converged()) << name(formulation);

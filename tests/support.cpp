@@ -127,9 +127,13 @@ StepReport continued(Integrator& integrator, Matrix& W, double h) {
 
 SharedFlow lent(const Flow& flow) { return {SharedFlow(), &flow}; }
 
+ProductBackend products_of_tests(Index n) {
+  return n < 33 ? ProductBackend::openblas : ProductBackend::eigen;
+}
+
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
                                  const IterationOptions& options) {
-  return entry.make(lent(flow), options, ProductBackend::openblas);
+  return entry.make(lent(flow), options, products_of_tests(flow.size()));
 }
 
 std::vector<std::string> recorded_integrators() {
