@@ -11,6 +11,8 @@ from lib.programs.places import ROOT, SETUP
 
 PROGRAM = "check_regression"
 CORETYPE = "OPENBLAS_CORETYPE"  # chooses the kernels of OpenBLAS
+# What the cells' programs are compiled from.
+COMPILED = "CMakeLists.txt", "core", "benchmarks", ":(exclude)*.md", ":(exclude)core/python"
 ANSWERS = os.path.join(ROOT, "tests", "data")  # reference answers
 MACHINES = NATIVE, *_ = "native", "x86-64-v3", "x86-64"  # those of choose_machine in setup.sh
 # Chooses the kernels of split products in a tree that has no ISOSYRK_KERNELS yet: what the compiler is said to lack.
@@ -43,6 +45,12 @@ def commit_of(revision):
 
 def is_dirty():
     return git("status", "--porcelain", "--untracked-files=no") != ""
+
+
+def compiles_as(commit):
+    """Returns whether this tree's programs would be compiled from the same text as that commit's."""
+    return (git("diff", "--quiet", commit, "--", *COMPILED) is not None
+            and git("ls-files", "--others", "--exclude-standard", "--", *COMPILED) == "")
 
 
 def in_setup(commands, *arguments):
@@ -95,7 +103,12 @@ def program_environment(keep_coretype):
 
 
 def build_base(commit, machine):
-    """Returns the folder of a commit's programs; kept, so that the next gate finds them. Throws Stop."""
+    """Returns the folder of a commit's programs; kept, so that the next gate finds them. Throws Stop.
+
+    Where nothing that is compiled has changed since, they are this tree's, which are there.
+    """
+    if compiles_as(commit):
+        return folder_of(machine)
     home = os.path.join(ROOT, "build-base")
     place = os.path.join(home, commit)
     folder = folder_of(machine, place)

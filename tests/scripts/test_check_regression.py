@@ -67,6 +67,7 @@ class GateTest(CopyTest):
         self.git("init", "-q")
         self.first = self.commit("first")
         write_baseline(os.path.join(self.root, BASELINE), baseline_of(read_build(build_document()), self.first))
+        self.write("root/core/step.cpp", "")
         self.second = self.commit("second")
 
     def git(self, *arguments):
@@ -194,10 +195,35 @@ class Base(GateTest):
         self.assertTrue(os.path.exists(os.path.join(source, "scripts", "check_regression")))
         self.assertFalse(os.path.exists(f"{source}.part"))
 
+        self.write("root/core/step.cpp", "// not committed\n")
         done = self.check("--quick", "--base", "HEAD")
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertIn(self.second[:12], done.stdout)
         self.assertEqual(os.listdir(os.path.join(self.root, "build-base")), [self.second])
+
+    def test_is_this_tree_s_own_build_where_nothing_that_is_compiled_has_changed_since(self):
+        self.write("root/core/README.md", "a page\n")
+        self.write("root/scripts/some.py", "")
+        self.commit("pages and scripts")
+        own = "nothing that is compiled has changed since base: its programs are head's"
+        done = self.check("--quick", "--base", self.second)
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertIn(own, " ".join(done.stdout.split()))
+        self.assertIn(f"Base: {self.second[:12]}", done.stdout)
+        self.assertFalse(os.path.exists(os.path.join(self.root, "build-base")))
+        for path in ("core/step.cpp", "benchmarks/new.cpp", "CMakeLists.txt"):  # changed, or new, and not committed
+            with self.subTest(path=path):
+                text = text_of(self.root, path) if os.path.exists(self.path("root", path)) else None
+                self.write(f"root/{path}", f"{text or ''}# a change\n")
+                done = self.check("--quick", "--base", self.second)
+                self.assertEqual(done.returncode, DONE, done.stderr)
+                self.assertNotIn(own, " ".join(done.stdout.split()))
+                self.assertEqual(os.listdir(os.path.join(self.root, "build-base")), [self.second])
+                shutil.rmtree(os.path.join(self.root, "build-base"))
+                if text is None:
+                    os.remove(self.path("root", path))
+                else:
+                    self.write(f"root/{path}", text)
 
     def test_a_clone_without_it_is_not_judged_in_time_and_says_why(self):
         shallow = self.path("shallow")
