@@ -73,8 +73,9 @@ SharedFlow lent(const Flow& flow);
 /// converged.
 StepReport continued(Integrator& integrator, Matrix& W, double h);
 
-/// By what n x n matrices are multiplied where a test does not choose: small ones by OpenBLAS, large
-/// ones by Eigen, since the kernels that OpenBLAS picks are eight times slower on some processors.
+/// By what n x n matrices are multiplied where a test does not choose: small ones by OpenBLAS,
+/// large ones by Eigen, since the kernels that OpenBLAS picks are eight times slower on some
+/// processors.
 ProductBackend products_of_tests(Index n);
 
 /// The integrator of an entry, with these products.  The flow must outlive it.
