@@ -48,7 +48,8 @@ class CommandLine {
     });
   }
 
-  /// Declares an option, or arguments without one, of one or more values.
+  /// Declares an option of one or more values or, by a name without dashes, the arguments that
+  /// belong to no option.
   Option add_values(const std::string& name, std::vector<std::string>& values,
                     const std::string& description);
 
@@ -63,6 +64,7 @@ class CommandLine {
   /// argument for its value.
   std::optional<int> parse(int argc, char** argv);
 
+  /// Whether an option was given.
   bool has(const std::string& option) const;
   /// What an option was given, as it was written.
   std::string text(const std::string& option) const;

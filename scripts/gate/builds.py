@@ -103,12 +103,7 @@ def program_environment(keep_coretype):
 
 
 def build_base(commit, machine):
-    """Returns the folder of a commit's programs; kept, so that the next gate finds them. Throws Stop.
-
-    Where nothing that is compiled has changed since, they are this tree's, which are there.
-    """
-    if compiles_as(commit):
-        return folder_of(machine)
+    """Returns the folder of a commit's programs; kept, so that the next gate finds them. Throws Stop."""
     home = os.path.join(ROOT, "build-base")
     place = os.path.join(home, commit)
     folder = folder_of(machine, place)
