@@ -352,6 +352,11 @@ class Scaling(StudyTest):
         self.assertIn("timed_on", found.context)
         self.assertEqual((found.memory, found.threads), ([], []))
         self.assertEqual({key for key in found.rates}, {(9, "fast"), (9, "published")})
+        # Counts are those of a step: each of an explicit method forms as many products.
+        scene = isosyrk.scene("smooth", n=9)
+        _, report = isosyrk.integrator(scene, "rk4").run(scene.initial, 0.1, 1)
+        self.assertEqual({found.points[at, 9, "rk4", "fast"].equivalent_products for at in found.starts()},
+                         {report.equivalent_products})
         for at in found.starts():
             sweeps = {ablation: point.sweeps for (begin, _, name, ablation), point in found.points.items()
                       if (begin, name) == (at, "group1")}

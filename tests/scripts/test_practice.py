@@ -6,6 +6,7 @@ QUFLOW in the environment is a checkout of quflow; without it what needs quflow 
 import os
 import subprocess
 import sys
+import time
 import unittest
 from types import SimpleNamespace
 from unittest import mock
@@ -313,6 +314,14 @@ class Runs(FolderTest):
         (whole,) = timing.time_block(block)
         for part in parts:
             self.assertTrue(0.3 < part / whole < 3, (parts, whole))
+
+    def test_the_time_that_passes_is_a_part_of_the_time_that_passed(self):
+        run_ = {"role": "method", "integrator": "rk8_frame", "tolerance": 1e-13, "steps": 600, "products": 7200.0,
+                "threads": 1}
+        block = {**self.prepared(time=2.0), "kind": timing.PASSED, "process": 0, "rows": ["a"], "runs": {"a": run_}}
+        begun = time.perf_counter()
+        (seconds,) = timing.time_block(block)
+        self.assertTrue(0 < seconds < time.perf_counter() - begun, seconds)
 
     def test_from_where_its_runs_take_long_quflow_is_timed_in_parts_and_methods_as_a_whole(self):
         with mock.patch.object(plan, "LARGEST_WHOLE_QUFLOW", 16):

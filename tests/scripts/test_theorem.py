@@ -72,6 +72,32 @@ class PlainForms(unittest.TestCase):
         with self.assertRaisesRegex(ArithmeticError, "does not converge"), np.errstate(all="ignore"):
             plain_forms.cotangent(*gauss(1), scene.generator, scene.initial, 100.0)
 
+    def test_tableaux_have_the_order_of_their_name(self):
+        # Simplifying conditions B(p), C(q), D(r) at the nodes c of a tableau, and the largest p, q, r that hold.
+        # Source: Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5, tables 5.1 and 5.13.
+        nodes = {2: np.array([0.0, 1.0]), 3: np.array([0.0, 0.5, 1.0])}
+        expected = [(gauss(s), gauss(s)[0].sum(1), (2 * s, s, s)) for s in (1, 2, 3)]
+        expected.append((plain_forms.RADAU_IIA, np.array([1 / 3, 1.0]), (3, 2, 1)))
+        for s, c in nodes.items():
+            expected += [(plain_forms.LOBATTO_IIIA[s], c, (2 * s - 2, s, s - 2)),
+                         (plain_forms.LOBATTO_IIIB[s], c, (2 * s - 2, s - 2, s)),
+                         (plain_forms.LOBATTO_IIIC[s], c, (2 * s - 2, s - 1, s - 1))]
+        for (a, b), c, orders in expected:
+            def of_b(k):
+                return b @ c ** (k - 1) - 1 / k
+
+            def of_rows(k):
+                return a @ c ** (k - 1) - c**k / k
+
+            def of_columns(k):
+                return (b * c ** (k - 1)) @ a - b * (1 - c**k) / k
+
+            for condition, order in zip((of_b, of_rows, of_columns), orders):
+                with self.subTest(a=a.tolist(), condition=condition.__name__, order=order):
+                    for k in range(1, order + 1):
+                        self.assertLess(abs(condition(k)).max(), 1e-14)
+                    self.assertGreater(abs(condition(order + 1)).max(), 1e-4)  # the control
+
 
 class Ends(unittest.TestCase):
     """Each row has one thing changed; the control is that of NOTHING, by the same code."""
