@@ -352,7 +352,7 @@ class Scaling(StudyTest):
         self.assertIn("timed_on", found.context)
         self.assertEqual((found.memory, found.threads), ([], []))
         self.assertEqual({key for key in found.rates}, {(9, "fast"), (9, "published")})
-        # Counts are those of a step: each of an explicit method forms as many products.
+        # Counts are those of one step; all steps of an explicit method form the same number of products.
         scene = isosyrk.scene("smooth", n=9)
         _, report = isosyrk.integrator(scene, "rk4").run(scene.initial, 0.1, 1)
         self.assertEqual({found.points[at, 9, "rk4", "fast"].equivalent_products for at in found.starts()},

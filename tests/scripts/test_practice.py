@@ -32,6 +32,7 @@ if HAS_MODULE:
     from studies.practice import run as study_run
 
 KEY = ("rough", 33)
+RK8 = {"role": "method", "integrator": "rk8_frame", "tolerance": 1e-13, "steps": 600, "products": 7200.0}  # that is timed
 
 
 class Judged(FolderTest):
@@ -305,8 +306,7 @@ class Runs(FolderTest):
         with mock.patch.object(plan, "LARGEST_WHOLE", 16), mock.patch.object(plan, "LARGEST_WHOLE_QUFLOW", 16):
             job = self.prepared(time=2.0)
             self.assertTrue(os.path.exists(single_runs.state_path(job, "reference_place2")))
-            run_ = {"role": "method", "integrator": "rk8_frame", "tolerance": 1e-13, "steps": 600, "products": 7200.0}
-            block = {**job, "kind": timing.CPU, "process": 0, "rows": ["a"], "runs": {"a": run_}}
+            block = {**job, "kind": timing.CPU, "process": 0, "rows": ["a"], "runs": {"a": RK8}}
             parts = [timing.time_block({**block, "process": process})[0] for process in range(plan.PLACES)]
             os.unlink(single_runs.state_path(job, "reference_place2"))
             with self.assertRaises(FileNotFoundError):  # the control: each process has a place
@@ -316,9 +316,8 @@ class Runs(FolderTest):
             self.assertTrue(0.3 < part / whole < 3, (parts, whole))
 
     def test_the_time_that_passes_is_a_part_of_the_time_that_passed(self):
-        run_ = {"role": "method", "integrator": "rk8_frame", "tolerance": 1e-13, "steps": 600, "products": 7200.0,
-                "threads": 1}
-        block = {**self.prepared(time=2.0), "kind": timing.PASSED, "process": 0, "rows": ["a"], "runs": {"a": run_}}
+        block = {**self.prepared(time=2.0), "kind": timing.PASSED, "process": 0, "rows": ["a"],
+                 "runs": {"a": {**RK8, "threads": 1}}}
         begun = time.perf_counter()
         (seconds,) = timing.time_block(block)
         self.assertTrue(0 < seconds < time.perf_counter() - begun, seconds)
