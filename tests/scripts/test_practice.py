@@ -32,7 +32,7 @@ if HAS_MODULE:
     from studies.practice import run as study_run
 
 KEY = ("rough", 33)
-RK8 = {"role": "method", "integrator": "rk8_frame", "tolerance": 1e-13, "steps": 600, "products": 7200.0}  # that is timed
+RK8 = {"role": "method", "integrator": "rk8_frame", "tolerance": 1e-13, "steps": 600, "products": 7200.0}
 
 
 class Judged(FolderTest):
