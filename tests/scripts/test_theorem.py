@@ -36,7 +36,7 @@ CHANGED = 1e-9  # the least that a change makes: Lobatto methods of order 4 diff
 
 
 def defects(a, b, c, k):
-    """Returns by how much a tableau with nodes c (s,) misses the k-th simplifying conditions B, C and D, at most.
+    """Returns the largest residual of each k-th simplifying condition, B, C and D, of a tableau (s, s), (s,), (s,).
 
     Source: Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5.
     """
